@@ -45,6 +45,16 @@ class UsageProblem(Problem):
         self.details = details
 
 
+class Answered(Problem):
+    """A refusal whose answer is printed already, as JSON where that was asked for."""
+
+    reported = True
+
+    def __init__(self, sentence: str, exit_code: int = NOT_IDENTIFIABLE) -> None:
+        super().__init__(sentence)
+        self.exit_code = exit_code
+
+
 def code_of(error: BaseException) -> int:
     """Return the exit code of an error, by whose fault it is.
 

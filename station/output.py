@@ -52,3 +52,8 @@ def screen() -> "Console":
 
     console = SafeConsole(highlight=False)
     return console if console.is_terminal else SafeConsole(highlight=False, width=WIDTH)
+
+
+def say(line: str) -> None:
+    """Print a line on stdout as it is, neither folded nor read as markup: what is in it can be copied."""
+    screen().print(line, markup=False, soft_wrap=True)

@@ -5,33 +5,44 @@ import traceback
 from pathlib import Path
 
 from identify.effects.effect import Effect
+from identify.effects.library import LIBRARY
+from station.exits import UsageProblem
 
 _EXAMPLE = 'EFFECTS = (own_effect("magnet", "a*u/(1 + (u/b)**2)"),)'
 
 
-def load_effects(path: Path) -> tuple[Effect, ...]:
-    """Run a Python file and return the effects in its `EFFECTS`; ValueError, a sentence with the line, when it has none.
+def whole_library(file: Path | None) -> tuple[Effect, ...]:
+    """Return the library with the user's own effects from a Python file after it."""
+    known = {effect.name for effect in LIBRARY}
+    own = () if file is None else load_effects(file)
+    if taken := next((effect.name for effect in own if effect.name in known), None):
+        raise UsageProblem(f"{file}: {taken} is in the library already; choose another name")
+    return (*LIBRARY, *own)
 
-    Raises OSError when the file cannot be read.
-    """
-    path.read_bytes()
+
+def load_effects(path: Path) -> tuple[Effect, ...]:
+    """Run a Python file and return the effects in its `EFFECTS`; UsageProblem, with the line, where it has none."""
+    try:
+        path.read_bytes()
+    except OSError as error:
+        raise UsageProblem(f"the effects {path} cannot be read: {error.strerror or error}") from error
     try:
         found = runpy.run_path(str(path)).get("EFFECTS")
     except (Exception, SystemExit) as error:
-        raise ValueError(f"{_place(path, error)}: {_reason(error)}") from error
+        raise UsageProblem(f"{_place(path, error)}: {_reason(error)}") from error
     if isinstance(found, Effect):
         found = (found,)
     if not isinstance(found, tuple | list) or not found:
-        raise ValueError(f"{path}: it defines no effects; a line such as {_EXAMPLE} is missing")
-    for i, effect in enumerate(found):
+        raise UsageProblem(f"{path}: it defines no effects; a line such as {_EXAMPLE} is missing")
+    names: list[str] = []
+    for i, effect in enumerate(found, start=1):
         if not isinstance(effect, Effect):
-            raise ValueError(
-                f"{path}: entry {i + 1} of EFFECTS is {type(effect).__name__}; give own_effect(...)"
+            raise UsageProblem(
+                f"{path}: entry {i} of EFFECTS is {type(effect).__name__}; give own_effect(...)"
             )
-    names = [effect.name for effect in found]
-    for i, name in enumerate(names):
-        if name in names[:i]:
-            raise ValueError(f"{path}: two effects are called {name}; rename one")
+        if effect.name in names:
+            raise UsageProblem(f"{path}: two effects are called {effect.name}; rename one")
+        names.append(effect.name)
     return tuple(found)
 
 

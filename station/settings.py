@@ -2,7 +2,7 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
@@ -80,10 +80,6 @@ def load_settings(file: str | Path | None) -> Settings:
         raise UsageProblem(f"the settings {path} are not TOML: {str(error)[:LONGEST]}") from error
     except RecursionError as error:
         raise UsageProblem(f"the settings {path} are not TOML: they are nested too deeply") from error
-    return _checked(content, path)
-
-
-def _checked(content: dict[str, Any], path: Path) -> Settings:
     try:
         return Settings.model_validate(content)
     except ValidationError as error:

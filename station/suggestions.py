@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterable
 from importlib.resources import files
 
+from station.exits import UsageProblem
+
 MEASURED_CURVE = "measured_curve"
 """What is added to a model where no effect of the library fits: the measured curve of the residual."""
 
@@ -25,6 +27,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
         return ""
     quoted = [f"'{name}'" for name in found]
     return f"; did you mean {' or '.join(quoted)}?"
+
+
+def no_such_effect(name: str, known: Iterable[str]) -> UsageProblem:
+    """Return the refusal of an effect that is none, with what may have been meant."""
+    more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
+    return UsageProblem(f"no effect is called '{name}'{did_you_mean(name, known)}; {more}")
 
 
 def _likeness(word: str, name: str) -> float:

@@ -10,6 +10,8 @@ import numpy as np
 from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.limits import require_few
+from daq.importing.options import MOTIONS
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.resampling import cut, find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
@@ -19,7 +21,6 @@ from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
 from daq.recording import Array, Channel, Recording
 
-MOTIONS: Final = ("displacement", "velocity", "acceleration")
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
 FEWEST_ROWS = 8
@@ -136,8 +137,7 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
                 "give one column this role",
             )
         tables = pieces(table, [c for c in columns if c is not counter], by, counted=counter is not None)
-        if len(tables) > MOST_RUNS:
-            raise problem(table.path, f"has more than {MOST_RUNS} runs in {by.place}", "give another role")
+        require_few(table.path, len(tables), MOST_RUNS, f"runs in {by.place}", "give another role")
     else:
         tables = (
             [_side_by_side(table, columns, fields, name) for name in names]

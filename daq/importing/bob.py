@@ -6,7 +6,7 @@ import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions, ask
+from daq.importing.options import MOTIONS, NONE, ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table, named
 from daq.recording import Array
@@ -19,7 +19,6 @@ LARGE_ARC = 0.1  # rad, rms: 8 degrees of swing, whose sagitta is a hundredth of
 CLOSE = 0.003
 """So closely, as a share of the radius, an arc is kept that is found without being asked for: a third of that sagitta."""
 FEWEST = 8
-MOTIONS = ("displacement", "velocity", "acceleration")
 
 
 def with_angle(table: Table, options: ImportOptions) -> Table:

@@ -49,7 +49,7 @@ def is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
     """Return whether channels without a unit are angles: an option's unit decides, else the headers."""
     asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
     known = [unit for unit in asked if unit is not None and unit.quantity is not None]
-    return any(unit.angular for unit in known) if known else any(c.angular for c in choices.values())
+    return any(unit.angular for unit in known) if known else any(c.said.angular for c in choices.values())
 
 
 def unit_of(
@@ -60,7 +60,7 @@ def unit_of(
     `turns` is the unit of angles that name none, "" where the channels are none.
     """
     quantity, place, text = choice.quantity, choice.column.place, options.units.get(choice.quantity)
-    written = choice.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
+    written = choice.said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
     if text is not None:
         unit = parse_scaled_unit(text)
         if unit is None or unit.quantity not in (None, quantity):
@@ -68,16 +68,16 @@ def unit_of(
                 table.path, f"'{text}' is no unit of {quantity} that is known here",
                 f"give one of {_EXAMPLES[quantity]}",
             )  # fmt: skip
-        other = choice.unit is not None and choice.unit != unit
+        other = choice.said.unit is not None and choice.said.unit != unit
         notes.append(
             f"{place} read as {quantity} in {text}, as asked"
             + (f", though its header says {written}" if other else "")
         )
         return unit, text
     asked = ", chosen by the options" if choice.asked else ""
-    if choice.unit is not None:
+    if choice.said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
-        return choice.unit, choice.unit_text
+        return choice.said.unit, choice.said.unit_text
     unit = (SI_ANGULAR if turns else SI_LINEAR)[quantity]
     finite = _finite(choice.column)
     far = float(np.ptp(finite) if quantity == "displacement" else np.max(np.abs(finite)))

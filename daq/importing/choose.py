@@ -7,14 +7,13 @@ import numpy as np
 
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.options import MOTIONS, NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.still import amplitude, oscillation
 from daq.importing.table import SourceColumn, Table, listed, named
-from daq.importing.units import COUNT, Unit
+from daq.importing.units import COUNT
 from daq.recording import Array
 
-MOTIONS = ("displacement", "velocity", "acceleration")
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
 """The names of one point's coordinates, and of one body's angles, by each of them."""
 
@@ -32,14 +31,11 @@ _SOMETHING_ELSE = Meaning(None, 0, None, "", False, False, True)
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """A column taken as a quantity; `unit` is what the file says about it, `asked` whether an option named it."""
+    """A column taken as a quantity; `said` is what the file says of it, and `asked` whether an option named it."""
 
     quantity: str
     column: SourceColumn
-    unit: Unit | None
-    unit_text: str
-    angular: bool
-    named_derived: bool
+    said: Meaning
     asked: bool
 
 
@@ -103,8 +99,7 @@ def _meaning(column: SourceColumn) -> Meaning:
 
 def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
     fits = said.unit is not None and said.unit.quantity in (None, quantity)
-    unit, text = (said.unit, said.unit_text) if fits else (None, "")
-    return Choice(quantity, column, unit, text, said.angular, said.derived, asked)
+    return Choice(quantity, column, said if fits else replace(said, unit=None, unit_text=""), asked)
 
 
 def _found(

@@ -67,7 +67,7 @@ _LETTERS = {
     **dict.fromkeys(("x", "y", "z", "u", "d", "q", "s", "phi", "theta", "psi", "alpha", "φ", "θ"), "displacement"),
     "v": "velocity", "ω": "velocity", "a": "acceleration", "f": "force",
 }  # fmt: skip
-_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2}|([xyz])dd|([xyz])d)")
+_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2})")
 KINDS = frozenset({
     "raw", "filt", "filtered", "smooth", "smoothed", "lp", "corr", "corrected", "cal", "calibrated", "mean", "avg",
     "x", "y", "z", "left", "right",
@@ -159,12 +159,7 @@ def _letter(name_words: tuple[str, ...]) -> str | None:
     for word in name_words:
         if word in _LETTERS:
             return _LETTERS[word]
-        match = _LETTER.fullmatch(word)
-        if match and match[3]:
-            return "acceleration"
-        if match and match[4]:
-            return "velocity"
-        if match:
+        if match := _LETTER.fullmatch(word):
             return _LETTERS[match[1] or match[2]]
     return None
 

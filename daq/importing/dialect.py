@@ -10,7 +10,7 @@ from pathlib import Path
 
 from daq.importing import recipe
 from daq.importing.errors import problem
-from daq.importing.limits import MAX_LINES, MAX_TEXT, require_size
+from daq.importing.limits import MAX_LINES, MAX_TEXT, require_few, require_size
 from daq.importing.numbers import parse_clock, parse_number
 
 BLANK = " "
@@ -40,9 +40,7 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     Raises ImportProblem when it is not text, or more than is read.
     """
     require_size(path, len(data), MAX_TEXT, " of text")
-    count = max(data.count(b"\n"), data.count(b"\r"))
-    if count > MAX_LINES:
-        raise problem(path, f"has {count} lines, more than {MAX_LINES}", "cut it to the releases")
+    require_few(path, max(data.count(b"\n"), data.count(b"\r")), MAX_LINES, "lines")
     if encoding is not None:
         try:
             return _lines(data, encoding), f"the text was read as {encoding}, as asked"

@@ -27,33 +27,26 @@ def require_size(path: Path, size: int, most: int, what: str = "") -> None:
         )  # fmt: skip
 
 
+def require_few(
+    path: Path,
+    count: int,
+    most: int,
+    what: str,
+    todo: str = "cut it to the releases",
+    line: int | None = None,
+) -> None:
+    """Raise ImportProblem for more than `most` of something."""
+    if count > most:
+        raise problem(path, f"has {count} {what}, more than {most}", todo, line=line)
+
+
 def require_table(path: Path, rows: int, width: int) -> None:
     """Raise ImportProblem for a table of too many columns or numbers."""
-    if width > MAX_COLUMNS:
-        raise problem(
-            path, f"has {width} columns, more than {MAX_COLUMNS}", "write one sample per line, one channel per column"
-        )  # fmt: skip
-    if rows * width > MAX_NUMBERS:
-        raise problem(
-            path, f"holds {rows} rows of {width} numbers, more than {MAX_NUMBERS / 1e6:.0f} million numbers",
-            "cut it to the releases",
-        )  # fmt: skip
+    require_few(path, width, MAX_COLUMNS, "columns", "write one sample per line, one channel per column")
+    require_few(path, rows * width, MAX_NUMBERS, "numbers")
 
 
 def require_lines(path: Path, lines: list[str]) -> None:
     """Raise ImportProblem for a line of a text table that is too long to be a row."""
     for number, line in enumerate(lines, start=1):
-        if len(line) > LONGEST_LINE:
-            raise problem(
-                path, f"has {len(line)} characters, more than {LONGEST_LINE}", "write one sample per line", line=number
-            )  # fmt: skip
-
-
-def require_few(path: Path, count: int, most: int, what: str) -> None:
-    """Raise ImportProblem for a text that is no plain table and has too many cells or lines."""
-    if count > most:
-        raise problem(
-            path,
-            f"has {count} {what}, more than {most}",
-            "cut it to the releases, or export it as a plain table",
-        )
+        require_few(path, len(line), LONGEST_LINE, "characters", "write one sample per line", number)

@@ -7,7 +7,8 @@ from types import MappingProxyType
 from daq.importing.errors import ImportProblem
 from daq.importing.recipe import Column, Dialect, Recipe
 
-QUANTITIES = ("time", "displacement", "velocity", "acceleration", "force")
+MOTIONS = ("displacement", "velocity", "acceleration")
+QUANTITIES = ("time", *MOTIONS, "force")
 NONE = "none"
 
 

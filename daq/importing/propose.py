@@ -204,7 +204,7 @@ def _rate(
 
 
 def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
-    if "time" in options.units or time.unit is not None:
+    if "time" in options.units or time.said.unit is not None:
         return unit_of(table, time, options, "", notes)[1]
     unit, why = guess_time_unit(time.column)
     clock = "; dates or times of day"
@@ -257,7 +257,7 @@ def _derived(
                 f"{said}its numbers are a finite difference of {origin} to within their rounding "
                 f"({100 * found.residual / found.rms:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
             )
-        elif choices[target].named_derived and not choices[target].asked:
+        elif choices[target].said.derived and not choices[target].asked:
             drop.add(target)
             notes.append(
                 f"{said}its name says that it is derived, and {origin} is there (--keep-derived keeps it)"

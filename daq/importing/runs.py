@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.columns import meaning, split_unit, words
-from daq.importing.options import ImportOptions
+from daq.importing.options import MOTIONS, ImportOptions
 from daq.importing.table import SourceColumn, Table
 
 Named = tuple[str, str]
-MOTIONS = ("displacement", "velocity", "acceleration")
 FEWEST_ROWS = 8
 MOST_RUNS = 1000
 FEWEST_IN_A_PIECE = 50

@@ -75,7 +75,13 @@ def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:
     clock, labels, units = shape
     if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
         return None
-    require_few(path, len(lines), MAX_SENTENCES, "lines with labels or units in them")
+    require_few(
+        path,
+        len(lines),
+        MAX_SENTENCES,
+        "lines with labels or units in them",
+        "cut it, or export it as a plain table",
+    )
     rows = [row if (row := _row(line)) is not None and row.shape == shape else None for line in lines]
     return rows if sum(row is not None for row in rows) >= ALIKE * len(written) else None
 

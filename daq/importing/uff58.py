@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.limits import require_few
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -88,10 +89,7 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
             copy.write_bytes(re.sub(rb"^\s*-1[ \t]*\r?\n(?=\s*-1[ \t]*\r?\n)", b"", data, count=1))
             file = pyuff.UFF(str(copy))
             kinds = [int(k) for k in file.get_set_types()]
-            if len(kinds) > MAX_TRACES:
-                raise problem(
-                    path, f"holds {len(kinds)} data sets, more than {MAX_TRACES}", "export one recording"
-                )
+            require_few(path, len(kinds), MAX_TRACES, "data sets", "export one recording")
             sets = []
             for i, kind in enumerate(kinds):
                 if kind != 58:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from daq.errors import StationError
@@ -22,7 +21,6 @@ METADATA = ("conditions", "varies", "specimen", "operator", "mass_kg", "mass_std
 _FIELD = re.compile(r"\{([^{}:]*)(?::([^{}]*))?\}")
 
 
-@dataclass(frozen=True)
 class Names:
     """What a file's name says: `{arm:d}P.txt` finds the number 60 in `60P.txt`.
 
@@ -30,25 +28,21 @@ class Names:
     `{operator}` are text, `{}` is any. Raises UsageProblem where the pattern is none of this.
     """
 
-    pattern: str
-    _form: re.Pattern[str] = field(init=False, repr=False)
-    _fields: tuple[tuple[str, str], ...] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
+    def __init__(self, pattern: str) -> None:
+        self.pattern = pattern
+        self._fields: list[tuple[str, str]] = []
         form, end = "", 0
-        fields = []
-        for match in _FIELD.finditer(self.pattern):
+        for match in _FIELD.finditer(pattern):
             name, kind = match[1].strip(), match[2] or ""
             if (kind and (kind not in NUMBERS or not name)) or (not kind and name not in ("", *TEXTS)):
                 raise UsageProblem(
-                    f"--names {self.pattern}: {match[0]} is no field; write {{NAME:d}} for a whole number, {{NAME:f}} for "
+                    f"--names {pattern}: {match[0]} is no field; write {{NAME:d}} for a whole number, {{NAME:f}} for "
                     "another, {specimen} or {operator} for a text, {} for what is not meant"
                 )
-            form += re.escape(self.pattern[end : match.start()]) + NUMBERS.get(kind, "(.+?)")
+            form += re.escape(pattern[end : match.start()]) + NUMBERS.get(kind, "(.+?)")
             end = match.end()
-            fields.append((name, kind))
-        object.__setattr__(self, "_form", re.compile(form + re.escape(self.pattern[end:])))
-        object.__setattr__(self, "_fields", tuple(fields))
+            self._fields.append((name, kind))
+        self._form = re.compile(form + re.escape(pattern[end:]))
 
     def said(self, name: str) -> tuple[dict[str, float], dict[str, str]] | None:
         """Return the numbers and the texts in a file's name, None where it is not of this form."""
@@ -60,58 +54,53 @@ class Names:
         return numbers, {key: text for (key, kind), text in found if key and not kind}
 
 
-@dataclass(frozen=True)
-class FolderImport:
-    """How the files of a folder become sessions: those in `place`, by `recipe`, or each by what is found out of it.
+def import_files(
+    files: Sequence[Path],
+    place: Path,
+    recipe: Recipe | None,
+    names: Names | None,
+    known: Mapping[str, Known],
+    info: SessionInfo,
+    say: Callable[[str], None],
+    kept: Path | None = None,
+) -> Iterator[Path]:
+    """Make sessions of files in `place`, by a recipe or each by what is found out of it; yield the folder of each.
 
     `known` is what a table says of a file, by its name; `info` is common to all; recipes that were confirmed are looked for
-    in `kept`.
+    in `kept` (default: `place`). A file that cannot be read is one line to `say`. What was imported before, by the same
+    recipe and with the same metadata, is not imported again. Raises Doubtful where something is to be said of a file first,
+    and nothing of it has been said.
     """
+    for file in files:
+        told = ({}, {}) if names is None else names.said(file.name)
+        if told is None:
+            say(f"{file.name}: its name is not of the form {names.pattern if names else ''}: left out")
+            continue
+        conditions = info.conditions | told[0] | known.get(file.name, Known()).conditions
+        own = info.model_copy(update={"conditions": conditions, **told[1]})
+        try:
+            before = [folder for folder in made_of(file, place) if _is_same(folder, own, recipe)]
+            yield from before or [
+                session.folder
+                for session in import_file(
+                    file, None, place, ImportOptions(), own, recipe, kept=kept
+                ).sessions
+            ]
+        except StationError as refusal:
+            if isinstance(refusal, Doubtful) and recipe is None:
+                raise
+            say(f"{file.name}: left out: {str(refusal).removeprefix(f'{file.name}: ')}")
 
-    place: Path
-    kept: Path
-    recipe: Recipe | None
-    names: Names | None
-    known: Mapping[str, Known]
-    info: SessionInfo
 
-    def sessions(self, files: Sequence[Path], say: Callable[[str], None]) -> Iterator[Path]:
-        """Yield the folder of each session; a file that cannot be read is one line to `say`.
-
-        What was imported before, by the same recipe and with the same metadata, is not imported again. Raises Doubtful where
-        something is to be said of a file first, and nothing of it has been said.
-        """
-        for file in files:
-            told = ({}, {}) if self.names is None else self.names.said(file.name)
-            if told is None:
-                say(
-                    f"{file.name}: its name is not of the form {self.names.pattern if self.names else ''}: left out"
-                )
-                continue
-            conditions = told[0] | self.known.get(file.name, Known()).conditions
-            info = self.info.model_copy(update={"conditions": self.info.conditions | conditions, **told[1]})
-            try:
-                yield from self._before(file, info) or self._imported(file, info)
-            except StationError as refusal:
-                if isinstance(refusal, Doubtful) and self.recipe is None:
-                    raise
-                say(f"{file.name}: left out: {str(refusal).removeprefix(f'{file.name}: ')}")
-
-    def _imported(self, file: Path, info: SessionInfo) -> list[Path]:
-        made = import_file(file, None, self.place, ImportOptions(), info, self.recipe, kept=self.kept)
-        return [session.folder for session in made.sessions]
-
-    def _before(self, file: Path, info: SessionInfo) -> list[Path]:
-        """Return the sessions that were made of this very file in the same way."""
-        return [folder for folder in made_of(file, self.place) if self._is_same(folder, info)]
-
-    def _is_same(self, folder: Path, info: SessionInfo) -> bool:
-        known, recipe = Session.open(folder).info, folder / RECIPE
-        same = all(getattr(known, key) == getattr(info, key) for key in METADATA)
-        if not same or not recipe.is_file() or self.recipe is None:
-            return same and recipe.is_file()
-        used = read_recipe(recipe)
-        return used == self.recipe.model_copy(update={"confirmed": True, "stated": used.stated})
+def _is_same(folder: Path, info: SessionInfo, recipe: Recipe | None) -> bool:
+    """Say whether a session was made by this recipe and with this metadata."""
+    known, used = Session.open(folder).info, folder / RECIPE
+    if not used.is_file() or any(getattr(known, key) != getattr(info, key) for key in METADATA):
+        return False
+    if recipe is None:
+        return True
+    read = read_recipe(used)
+    return read == recipe.model_copy(update={"confirmed": True, "stated": read.stated})
 
 
 def files_in(folder: Path, beside: Sequence[Path | None]) -> list[Path]:

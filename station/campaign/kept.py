@@ -7,6 +7,7 @@ from daq.errors import StationError
 from daq.storage import read_regular, refused, write_whole
 from station.results.campaign_document import NAME, CampaignDocument, SessionResult
 from station.results.documents import LARGEST
+from station.text import campaign_table as table
 
 SESSIONS = "sessions"
 LONGEST_NAME = 80
@@ -42,8 +43,9 @@ class Kept:
         """Keep the result of a session, whole or not at all."""
         write_whole(self.file(name, key), result.encode())
 
-    def write_table(self, document: CampaignDocument, tables: dict[str, str]) -> None:
-        """Keep what the sessions say together, and its tables by the names of their files."""
-        write_whole(self.folder / NAME, document.model_dump_json(indent=1).encode() + b"\n")
-        for name, content in tables.items():
+    def write_table(self, document: CampaignDocument) -> None:
+        """Keep what the sessions say together, also as tables."""
+        files = {NAME: document.model_dump_json(indent=1) + "\n"}
+        files |= {table.SESSIONS: table.sessions_csv(document), table.TRENDS: table.trends_csv(document)}
+        for name, content in files.items():
             write_whole(self.folder / name, content.encode())

@@ -2,19 +2,16 @@
 
 import multiprocessing
 import os
-import signal
-import threading
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.process import BaseProcess
-from types import TracebackType
-from typing import Self
+from itertools import islice
 
+from station.campaign.crew import Answers
 from station.campaign.work import Answer, Work, perform
-from station.library_messages import say_in_one_line
+from station.campaign.worker_process import begin
 
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 AHEAD = 2
 MOST_DEATHS = 2
 
@@ -29,104 +26,55 @@ class LocalCrew:
     """
 
     def __init__(self, workers: int, act: Callable[[Work], str] = perform) -> None:
-        self._count = workers
+        self.workers = workers
         self._act = act
-        self._pool: ProcessPoolExecutor | None = None
-        self._under_way: dict[Future[str], Work] = {}
-        self._suspects: list[Work] = []
-        self._deaths: dict[str, int] = {}
-        self._before: dict[str, str | None] = {}
-        self._others: set[BaseProcess] = set()
 
-    @property
-    def workers(self) -> int:
-        """How many processes there are."""
-        return self._count
+    def performed(self, works: Iterable[Work]) -> Answers:
+        """Yield the answers; see `Crew`."""
+        waiting, deaths = iter(works), Counter[str]()
+        while suspects := (yield from self._until_a_death(waiting, self.workers, AHEAD * self.workers)):
+            while suspects:
+                others = iter(suspects)
+                killers = yield from self._until_a_death(others, workers=1, at_once=1)
+                deaths.update(work.key for work in killers)
+                failed = [work for work in killers if deaths[work.key] >= MOST_DEATHS]
+                yield from (Answer(work, problem=KILLED) for work in failed)
+                suspects = [*(work for work in killers if work not in failed), *others]
 
-    @property
-    def wanted(self) -> int:
-        """How many more sessions keep them busy; none while it is looked for the one that kills its worker."""
-        return 0 if self._suspects else max(AHEAD * self._count - len(self._under_way), 0)
-
-    @property
-    def busy(self) -> bool:
-        """Whether an answer is still to come."""
-        return bool(self._under_way or self._suspects)
-
-    def submit(self, work: Work) -> None:
-        """Hand a session over."""
+    def _until_a_death(
+        self, works: Iterator[Work], workers: int, at_once: int
+    ) -> Generator[Answer, None, list[Work]]:
+        """Yield answers of a pool until one of its processes dies; return the sessions that were under way then."""
+        others = set(multiprocessing.active_children())
+        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=begin)
+        under_way: dict[Future[str], Work] = {}
         try:
-            future = self._running().submit(self._act, work)
-        except (
-            BrokenProcessPool
-        ):  # a process died while it had nothing to do, or another's death is not known yet
-            self._stop()
-            future = self._running().submit(self._act, work)
-        self._under_way[future] = work
-
-    def answers(self) -> list[Answer]:
-        """Wait for the next answers; none where all that happened is that a process died."""
-        if not self._under_way:
-            self.submit(self._suspects.pop(0))
-        alone = len(self._under_way) == 1
-        done, _ = wait(self._under_way, return_when=FIRST_COMPLETED)
-        found, lost = [], []
-        for future in done:
-            work = self._under_way.pop(future)
-            try:
-                found.append(Answer(work, future.result()))
-            except BrokenProcessPool:
-                lost.append(work)
-            except Exception as error:  # a fault of the program on one session does not end the campaign
-                found.append(Answer(work, problem=f"{type(error).__name__}: {error}"))
-        if lost and alone:
-            found += self._killed(lost[0])
-        elif lost:
-            self._suspects += [*lost, *self._under_way.values()]
-            self._under_way = {}
-        if lost:
-            self._stop()
-        return found
-
-    def _killed(self, work: Work) -> list[Answer]:
-        """Try a session again that was alone with a worker that died; once it has had its chances it has failed."""
-        self._deaths[work.key] = self._deaths.get(work.key, 0) + 1
-        if self._deaths[work.key] >= MOST_DEATHS:
-            return [Answer(work, problem=KILLED)]
-        self._suspects.insert(0, work)
-        return []
-
-    def _running(self) -> ProcessPoolExecutor:
-        if self._pool is None:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(self._count, context, initializer=_begin)
-        return self._pool
-
-    def _stop(self) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            self._pool = None
-
-    def __enter__(self) -> Self:
-        """Let processes that are started from now on have one thread of numerics each."""
-        self._before = {name: os.environ.get(name) for name in ONE_THREAD}
-        self._others = set(multiprocessing.active_children())
-        os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """End the processes; in the middle of their work where the campaign was interrupted."""
-        self._stop()
-        if error is not None:
-            for process in set(multiprocessing.active_children()) - self._others:
+            while True:
+                for work in islice(works, at_once - len(under_way)):
+                    under_way[pool.submit(self._act, work)] = work
+                if not under_way:
+                    return []
+                done, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                for future in done:
+                    work = under_way.pop(future)
+                    yield _answer(work, future)
+        except BrokenProcessPool:
+            return [work, *under_way.values()]
+        except BaseException:  # interrupted: in the middle of their work
+            for process in set(multiprocessing.active_children()) - others:
                 process.terminate()
-        for name, value in self._before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+            raise
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _answer(work: Work, future: Future[str]) -> Answer:
+    try:
+        return Answer(work, future.result())
+    except BrokenProcessPool:
+        raise
+    except Exception as error:  # a fault of the program on one session does not end the campaign
+        return Answer(work, problem=f"{type(error).__name__}: {error}")
 
 
 def cores() -> int:
@@ -134,17 +82,3 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _begin() -> None:
-    """Leave Ctrl-C to the process that gave the work, and end with it, however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    say_in_one_line()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

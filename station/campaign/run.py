@@ -2,11 +2,12 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from daq.errors import StationError
-from station.campaign.crew import Crew, perform_all
+from station.campaign.crew import Crew
 from station.campaign.kept import Kept
 from station.campaign.sources import Source
 from station.campaign.work import Work
@@ -89,8 +90,8 @@ def run_campaign(
             take(source, known)
 
     kept.make()
-    with crew:
-        for answer in perform_all(missing(), crew):
+    with closing(crew.performed(missing())) as answers:
+        for answer in answers:
             source = under_way.pop(id(answer.work))
             run.workers = max(run.workers, crew.workers)
             if answer.problem:

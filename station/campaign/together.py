@@ -3,7 +3,6 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -12,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.campaign.control_limits import control_limits
+from station.campaign.crew import Crew
+from station.campaign.kept import Kept
 from station.campaign.metadata import Known
-from station.campaign.run import Run
+from station.campaign.run import Observer, Request, Run, run_campaign
 from station.campaign.sources import Source
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
@@ -24,7 +25,6 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
-from station.results.documents import EstimateDocument
 from station.text.numbers import or_nan
 
 Array = NDArray[np.float64]
@@ -42,6 +42,21 @@ class Series:
     unit: str
     values: Array
     std: Array
+
+
+def campaign(
+    sources: tuple[Source, ...],
+    request: Request,
+    crew: Crew,
+    kept: Kept,
+    observer: Observer,
+    metadata: dict[str, Known] | None = None,
+) -> CampaignDocument:
+    """Bring the results of all sources up to date, and keep what they say together; errors as `run_campaign`."""
+    run = run_campaign(sources, request, crew, kept, observer)
+    document = campaign_document(kept.folder, request.diagnose, run, metadata)
+    kept.write_table(document)
+    return document
 
 
 def campaign_document(
@@ -82,26 +97,18 @@ def _row(source: Source, result: SessionResult, known: Known) -> CampaignRow:
 
 def parameter_series(rows: list[CampaignRow]) -> list[Series]:
     """Return every parameter over the sessions, and the misfit; one that has two units is two."""
-    keys = dict.fromkeys(
-        (name, estimate.unit) for row in rows for name, estimate in row.result.parameters.items()
-    )
+    found: dict[tuple[str, str], Series] = {}
+    for place, row in enumerate(rows):
+        for name, estimate in row.result.parameters.items():
+            series = found.setdefault((name, estimate.unit), _unknown(name, estimate.unit, len(rows)))
+            series.values[place], series.std[place] = or_nan(estimate.value), or_nan(estimate.std)
+    misfit = _unknown(MISFIT, "%", len(rows))
+    misfit.values[:] = [or_nan(row.result.motion_percent) for row in rows]
+    return [*found.values(), *([misfit] if np.isfinite(misfit.values).any() else [])]
 
-    def found(name: str, unit: str) -> Callable[[CampaignRow], EstimateDocument | None]:
-        def of(row: CampaignRow) -> EstimateDocument | None:
-            estimate = row.result.parameters.get(name)
-            return estimate if estimate is not None and estimate.unit == unit else None
 
-        return of
-
-    series = [
-        Series(name, unit, _column(rows, of, "value"), _column(rows, of, "std"))
-        for name, unit in keys
-        for of in (found(name, unit),)
-    ]
-    misfit = np.array([or_nan(row.result.motion_percent) for row in rows])
-    if np.isfinite(misfit).any():
-        series.append(Series(MISFIT, "%", misfit, np.full(len(rows), np.nan)))
-    return series
+def _unknown(name: str, unit: str, count: int) -> Series:
+    return Series(name, unit, np.full(count, np.nan), np.full(count, np.nan))
 
 
 def variables(rows: list[CampaignRow]) -> list[Series]:
@@ -117,10 +124,6 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
         name, unit = parts.groups() if parts else (key, "unit")
         found.append((name, unit, [row.conditions.get(key, math.nan) for row in rows]))
     return [Series(name, unit, np.array(values), np.zeros(0)) for name, unit, values in found]
-
-
-def _column(rows: list[CampaignRow], of: Callable[[CampaignRow], EstimateDocument | None], key: str) -> Array:
-    return np.array([or_nan(getattr(estimate, key)) if (estimate := of(row)) else math.nan for row in rows])
 
 
 def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:

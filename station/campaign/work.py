@@ -78,7 +78,10 @@ def _contents(work: Work) -> dict[str, Any]:
     }
     try:
         prepared = prepare_recording(recording, work.options, work.gain_percent, found)
-        fitted = _diagnosed(prepared) if work.diagnose else _fitted(prepared)
+        if work.diagnose:
+            fitted = _diagnosed(prepared)
+        else:
+            fitted = fit_content(fit_baseline(segments_of(prepared), base_model()))
         content |= fitted | {"parameters": content["parameters"] | fitted["parameters"]}
         if content["amplitude"] is None:
             content["amplitude"] = prepared.amplitude
@@ -108,10 +111,6 @@ def identified_parameters(result: Identification) -> dict[str, Any]:
     if result.alignment is not None:
         found |= {"alignment.lag": result.alignment.lag, "alignment.gain": result.alignment.gain}
     return found
-
-
-def _fitted(prepared: PreparedDecay) -> dict[str, Any]:
-    return fit_content(fit_baseline(segments_of(prepared), base_model()))
 
 
 def fit_content(baseline: Baseline) -> dict[str, Any]:

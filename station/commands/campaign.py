@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, VARIES, existing
+from station.commands.options import GAIN, VARIES, existing, pass_settings
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from station.campaign.crew import Crew
     from station.campaign.metadata import Known
     from station.results.campaign_document import CampaignDocument
-    from station.settings import Settings
 
 
 @click.command("campaign")
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="ADDRESS", help="Use this Dask cluster instead, as tcp://host:8786.")
 @GAIN
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     sessions: tuple[str, ...],
     diagnose: bool,
     output: Path | None,
@@ -60,7 +60,7 @@ def command(
     recipe: Path | None,
     ask: bool,
     names: str | None,
-    varies: str | None,
+    varies: tuple[str, ...],
     workers: int | None,
     scheduler: str | None,
     gain_percent: float | None,
@@ -74,17 +74,14 @@ def command(
     """
     from station.campaign.kept import Kept
     from station.campaign.metadata import read_metadata
-    from station.campaign.run import Request, run_campaign
+    from station.campaign.run import Request
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
-    from station.campaign.together import campaign_document
-    from station.operations.identifying import NothingIdentified
-    from station.settings import load_settings
+    from station.campaign.together import campaign
+    from station.exits import Answered
     from station.text import campaign_text
     from station.text.campaign_progress import CampaignProgress
-    from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.layout import tell
 
-    settings = load_settings(settings_file)
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
         progress(note)
@@ -104,27 +101,26 @@ def command(
     watch = CampaignProgress(len(sources))
     request = Request(settings, gain_percent, diagnose)
     try:
-        run = run_campaign(sources, request, _crew(workers, scheduler, len(sources)), kept, watch)
+        crew = _crew(workers, scheduler, len(sources))
+        document = campaign(sources, request, crew, kept, watch, known)
     except KeyboardInterrupt:
         watch.end()
         progress("what is done is kept, and the same command goes on with the rest")
         raise
     watch.end()
-    document = campaign_document(kept.folder, diagnose, run, known)
-    kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
     if as_json:
         print_json(document.plain())
     else:
         folders_of = {source.name: source.folder for source in sources}
         tell(campaign_text.told(document), *_next(document, folders_of, given))
     if not document.rows:
-        raise NothingIdentified(f"none of the {len(sources)} sessions has a result; the reasons are above")
+        raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
 
 
 def _imported(
     arguments: tuple[str, ...],
-    settings: "Settings",
-    said: tuple[Path | None, bool, str | None, str | None],
+    settings: Settings,
+    said: tuple[Path | None, bool, str | None, tuple[str, ...]],
     metadata: Path | None,
     known: "dict[str, Known]",
 ) -> tuple[Path, list[Path]]:
@@ -132,7 +128,7 @@ def _imported(
     from daq.importing.options import ImportOptions
     from daq.importing.propose import Doubtful
     from daq.importing.recipe import read_recipe, to_toml
-    from station.campaign.files import FolderImport, Names, files_in
+    from station.campaign.files import Names, files_in, import_files
     from station.commands.asking import asked
     from station.exits import UsageProblem
     from station.operations.new_session import session_info
@@ -152,9 +148,8 @@ def _imported(
     given = read_recipe(recipe) if recipe else asked(meant[0], ImportOptions()) if ask else None
     place = settings.sessions / (folder.resolve().name or "files")
     info = session_info(settings, varies=varies)
-    work = FolderImport(place, settings.sessions, given, form, known, info)
     try:
-        made = list(work.sessions(files, progress))
+        made = list(import_files(files, place, given, form, known, info, progress, settings.sessions))
     except Doubtful as refusal:
         click.echo(harmless(to_toml(refusal.proposal.recipe)))
         raise UsageProblem(

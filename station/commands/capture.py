@@ -7,14 +7,22 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import BAUD, COLUMNS, UNITS, new_session_option, pairs, release_options
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import (
+    BAUD,
+    COLUMNS,
+    NO_VIEWER,
+    UNITS,
+    new_session_option,
+    pass_settings,
+    release_options,
+)
+from station.output import json_option, print_json, progress, say
+from station.settings import Settings
 
 MOST_TAKES = 3
 
 if TYPE_CHECKING:
     from daq.session import Session
-    from station.settings import Settings
 
 
 @click.command("capture")
@@ -55,16 +63,16 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
 )
-@click.option("--no-viewer", is_flag=True, help="No live view.")
+@NO_VIEWER
 @click.option(
     "--again/--no-again",
     default=None,
     help="Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
 )
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     /,
     port: str | None,
     folder: Path | None,
@@ -75,8 +83,8 @@ def command(
     lines: bool,
     profile: str | None,
     source: str | None,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str | int],
+    units: dict[str, str],
     baud: int | None,
     **given: Any,
 ) -> int:
@@ -85,31 +93,21 @@ def command(
     Hold the mass still until the station is armed, then let it go.
     """
     from daq.failover import is_temporary
-    from daq.ports import choose_port
+    from daq.sources.open_source import LineOptions
     from station.operations.capturing import record
-    from station.operations.line_boards import LineChoice, board_behind
+    from station.operations.line_boards import board_behind
     from station.operations.new_session import new_folder, wanted_capture
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
-    choice = LineChoice(
-        lines, profile, source, pairs("--column", columns), pairs("--unit", units), given["rate"], baud
-    )
-    named = port or settings.capture.port
-    chosen = named or "" if choice.any else choose_port(named)
+    told = LineOptions(None, columns, units, given["rate"], baud)
+    board = board_behind(port, settings, told, lines, profile, source)
     wanted = wanted_capture(settings, given)
-    session, url = record(
-        board_behind(chosen, choice, settings),
-        wanted,
-        folder or new_folder(settings.sessions),
-        not no_viewer,
-        spare,
-    )
+    place = folder or new_folder(settings.sessions)
+    session, url = record(board(), wanted, place, not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):
         if not take_again(session, again, as_json):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
-        session, url = record(board_behind(chosen, choice, settings), wanted, place, not no_viewer, spare)
+        session, url = record(board(), wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
     return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
@@ -132,11 +130,10 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
 
 
 def finish(
-    session: "Session", url: str | None, settings: "Settings", as_json: bool, note: str = "", **more: Any
+    session: "Session", url: str | None, settings: Settings, as_json: bool, note: str = "", **more: Any
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
-    from station.operations.capturing import show_result
-    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing, write_view
     from station.story.preparation import options_for
     from station.text.identification_text import next_command, told
     from station.text.layout import tell
@@ -154,8 +151,12 @@ def finish(
     if not as_json:
         tell(told(session.folder.name, result))
         if note:
-            screen().print(note, markup=False, soft_wrap=True)
-    file = show_result(url, session, result)
+            say(note)
+    file = write_view(session, result)
+    if url is not None:
+        from station.views import show
+
+        show.send(url, session.folder.name, result)
     progress(f"viewer's recording: {file}")
     if as_json:
         known = {
@@ -167,5 +168,5 @@ def finish(
         print_json(known | more)
     else:
         line = next_line(next_command(result), session.folder)
-        screen().print(line, markup=False, soft_wrap=True)
+        say(line)
     refuse_if_nothing(result)

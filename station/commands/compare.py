@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION
+from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION, pass_settings
 from station.output import json_option, print_json
+from station.settings import Settings
 
 
 @click.command("compare")
@@ -15,9 +16,9 @@ from station.output import json_option, print_json
 @MASS_INSTEAD
 @FULL
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     model_file: Path | None,
     effects_file: Path | None,
@@ -33,9 +34,7 @@ def command(
     """
     from station.operations.comparing import compare_session
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
     if as_json:

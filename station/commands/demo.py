@@ -2,13 +2,13 @@
 
 import json
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
 
-from station.commands.options import NO_VIEWER, new_session_option
-from station.output import json_option, print_json, progress
+from station.commands.options import NO_VIEWER, new_session_option, pass_settings
+from station.output import json_option, print_json
+from station.settings import Settings
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -40,9 +40,9 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 @new_session_option("Folder of the new session (default: ./sessions/demo_TIME).")
 @NO_VIEWER
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     seed: int,
     speed: float,
     mystery: int | None,
@@ -53,78 +53,51 @@ def command(
     folder: Path | None,
     no_viewer: bool,
     as_json: bool,
-) -> int | None:
+) -> None:
     """Run the whole job on a simulated board: capture, align, identify, show.
 
     The board is `python -m mocks`, a process of its own; the station connects
     to its port as it would to any. Or, without any board, identify one of the
     recordings that come with the station: `--list`, `--example NAME`.
     """
-    if listed or example is not None:
-        _examples(settings_file, example, as_json)
-        return None
-    if guided is not None:
+    if listed:
+        _list(as_json)
+    elif example is not None:
+        from station.commands.capture import finish
+        from station.operations.examples import open_example
+
+        finish(open_example(example, settings.sessions), None, settings, as_json)
+    elif guided is not None:
         from station.commands.guided_demo import play_guided
 
-        return play_guided(settings_file, guided, speed, pty, folder, as_json)
-    from dataclasses import replace
-
-    from daq.session_info import SessionInfo
-    from station.commands.capture import finish
-    from station.operations.capturing import record
-    from station.operations.new_session import capture_settings, new_folder
-    from station.operations.simulated_board import simulated_board
-    from station.settings import load_settings
-
-    settings = load_settings(settings_file)
-    if mystery is not None:
+        play_guided(settings, guided, speed, pty, folder, as_json)
+    elif mystery is not None:
         from station.operations.mystery import play
 
         play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
-        return None
-    info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
-    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
-    where = folder or new_folder(settings.sessions, "demo")
-    with TemporaryDirectory() as temporary:
-        truth_file = Path(temporary) / "truth.json"
-        with simulated_board(seed, speed, pty, "--truth", str(truth_file)) as port:
-            progress(f"a simulated board answers at {port}")
-            session, url = record(port, wanted, where, not no_viewer)
-        truth = json.loads(truth_file.read_text(encoding="utf-8"))
-    made_of = {name: truth[name] for name in MADE_OF}
-    finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
-    return None
-
-
-def _examples(settings_file: str | None, name: str | None, as_json: bool) -> None:
-    """List the recordings that come with the station, or import one and identify it."""
-    from station.operations.examples import EXAMPLES, example
-
-    if name is not None:
-        example(name)  # a typo is answered before the numerics are loaded
-    if name is None:
-        if as_json:
-            print_json({"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]})
-            return
-        for one in EXAMPLES:
-            click.echo(f" {one.name:<20}{one.about}")
-        click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
-        return
-    from station.operations.examples import open_example
-    from station.operations.identifying import identify_session, refuse_if_nothing
-    from station.settings import load_settings
-    from station.story.preparation import options_for
-    from station.text.identification_text import next_command, told
-    from station.text.layout import tell
-
-    settings = load_settings(settings_file)
-    session = open_example(name, settings.sessions)
-    result, document = identify_session(session, options_for(session, settings))
-    if as_json:
-        print_json({"session": str(session.folder), "identification": document.plain()})
     else:
-        tell(told(session.folder.name, result), next_command(result), session.folder)
-    refuse_if_nothing(result)
+        from station.commands.capture import finish
+        from station.operations.new_session import new_folder
+        from station.operations.simulated_board import record_simulated, simulated_capture
+
+        where = folder or new_folder(settings.sessions, "demo")
+        wanted = simulated_capture(settings, f"simulated testbed, seed {seed}", speed)
+        session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer)
+        truth = json.loads(envelope)
+        made_of = {name: truth[name] for name in MADE_OF}
+        finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+
+
+def _list(as_json: bool) -> None:
+    """List the recordings that come with the station."""
+    from station.operations.examples import EXAMPLES
+
+    if as_json:
+        print_json({"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]})
+        return
+    for one in EXAMPLES:
+        click.echo(f" {one.name:<20}{one.about}")
+    click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
 
 
 def _made_of(truth: dict[str, Any]) -> str:

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES
+from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES, pass_settings
+from station.exits import Answered
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 from station.suggestions import MEASURED_CURVE
 
 if TYPE_CHECKING:
@@ -32,15 +34,15 @@ ANOTHER = "ANOTHER_RELEASE"
 @FULL
 @click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)  # scripts of before give it
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     sessions: tuple[str, ...],
     model_file: Path | None,
     effects_file: Path | None,
     gain_percent: float | None,
     worth: float,
-    varies: str,
+    varies: tuple[str, ...],
     anyway: bool,
     full: bool,
     as_json: bool,
@@ -53,18 +55,19 @@ def command(
     `refine` the one that `station identify` found at orders of your choice,
     else the usual one: stiffness, dry and viscous friction.
     """
-    from station.operations.diagnosing import (
-        diagnose_sessions,
-        keep,
-        open_or_refuse,
-        physics_shared,
-        refuse_if_too_little,
-    )
-    from station.results.diagnosis_document import with_differences
-    from station.settings import load_settings
+    from identify.errors import NotIdentifiable
+    from identify.model.model import base_model
+    from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
+    from station.operations.session_set import declared, open_sessions
+    from station.results.diagnosis_document import refused_document, with_differences
 
-    settings = load_settings(settings_file)
-    opened = open_or_refuse(sessions, settings, gain_percent, as_json, varies)
+    try:
+        opened = open_sessions(sessions, settings, gain_percent, declared([varies]))
+    except NotIdentifiable as refusal:
+        if as_json:
+            names = tuple(Path(session).name for session in sessions)
+            print_json(refused_document(names, base_model(), str(refusal)).plain())
+        raise Answered(f"not enough data: {refusal}") from refusal
     for name, why in opened.left_out.items():
         progress(f"{name} is left out: {why}")
     shared = physics_shared(opened, anyway, progress)
@@ -82,7 +85,8 @@ def command(
         weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
         folders = [session.folder for session in opened.sessions]
         tell(told(document, weighing, full=full), *next_step(folders, document), full=full)
-    refuse_if_too_little(document)
+    if document.verdict == "not_enough_data":
+        raise Answered(f"not enough data: {document.explanation}")
 
 
 def next_step(folders: "list[Path]", document: "DiagnosisDocument") -> tuple[str | Path, ...]:

@@ -6,7 +6,7 @@ import click
 
 from station.commands.options import known_effect
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress, say, screen
 from station.text.next_step import next_line
 
 
@@ -48,4 +48,4 @@ def command(name: str | None, picture: Path | None, as_json: bool) -> None:
         print_json(effect_text.as_document(effect, portrait))
     else:
         effect_text.show_effect(screen(), effect, portrait)
-        screen().print(next_line("refine", "last", "--add", name), markup=False, soft_wrap=True)
+        say(next_line("refine", "last", "--add", name))

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import SESSION
+from station.commands.options import SESSION, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 
@@ -24,9 +25,9 @@ FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 @click.option("--as-recorded", is_flag=True, help="Do not move the displacement by its lag.")
 @click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     form: str | None,
     file: Path | None,
@@ -44,9 +45,7 @@ def command(
     from daq.exporting import form_of
     from station.operations.exporting import exported_session, write_exported
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     if form is None:
         form = "csv" if file is None else form_of(file)
         if form is None:

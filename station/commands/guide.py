@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import new_session_option, release_options
+from station.commands.options import new_session_option, pass_settings, release_options
 from station.output import json_option, print_json, progress, screen
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from identify.diagnosis.next_release import Limits
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
 @new_session_option("Folder of its sessions (default: ./sessions/guide_TIME).")
 @release_options
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     /,
     port: str | None,
     limits: str | None,
@@ -49,9 +50,7 @@ def command(
     from daq.ports import choose_port
     from station.operations.guiding import GuidedTest
     from station.operations.new_session import new_folder, wanted_capture
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     chosen = limits_of(limits if limits is not None else _asked(), unattended)
     wanted = wanted_capture(settings, given)
     named = choose_port(port or settings.capture.port)
@@ -79,15 +78,12 @@ def show_guided(test: "GuidedTest", as_json: bool) -> "GuideDocument":
 
 def limits_of(text: str, unattended: bool = False) -> "Limits":
     """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
-    from daq.importing.units import parse_scaled_unit, parse_unit
     from identify.diagnosis.next_release import Limits
+    from station.operations.new_session import metres
 
-    lengths = []
-    for word in text.split(","):
-        length = parse_scaled_unit(word.strip())
-        if length is None or length.si != "m" or parse_unit(word.strip()) is not None:
-            raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
-        lengths.append(length.scale)
+    lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
+    if len(lengths) <= text.count(","):
+        raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
     if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
         raise exits.UsageProblem(
             f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"

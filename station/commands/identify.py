@@ -1,36 +1,26 @@
 """`station identify`: stiffness, friction and damping of one session, by both methods."""
 
-from typing import Any
-
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION
+from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json
+from station.settings import Settings
 
 
 @click.command("identify")
 @SESSION
 @MASS_INSTEAD
-@click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
 @click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")
-@click.option(
-    "--view",
-    "with_view",
-    is_flag=True,
-    help="Write the viewer's recording too, and open it where there is a screen.",
-)
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     mass: float | None,
-    into: str | None,
     max_order: int | None,
     stiffness_orders: str | None,
-    with_view: bool,
     as_json: bool,
 ) -> None:
     """Find stiffness, friction and damping in SESSION.
@@ -41,11 +31,11 @@ def command(
     from dataclasses import replace
 
     from station.operations.identifying import identify_session, refuse_if_nothing
-    from station.settings import load_settings
+    from station.operations.new_session import session_info
+    from station.results.sessions import open_session
     from station.story.preparation import options_for
 
-    settings = load_settings(settings_file)
-    opened = _opened(session, into, mass, settings)
+    opened = open_session(session, settings.sessions, session_info(settings, mass))
     options = options_for(opened, settings, mass)
     if max_order is not None:
         options = replace(options, max_order=max_order)
@@ -60,10 +50,6 @@ def command(
 
         tell(told(opened.folder.name, result), next_command(result), opened.folder)
     refuse_if_nothing(result)
-    if with_view:
-        from station.commands.view import show_session
-
-        show_session(opened, result)
 
 
 def _orders(text: str) -> tuple[int, ...]:
@@ -71,16 +57,3 @@ def _orders(text: str) -> tuple[int, ...]:
     if not all(part.isdigit() and 1 <= int(part) <= 9 for part in parts) or len(set(parts)) != len(parts):
         raise UsageProblem(f"--stiffness-orders {text}: write different whole numbers from 1 to 9, as 1,3")
     return tuple(int(part) for part in parts)
-
-
-def _opened(session: str, into: str | None, mass: float | None, settings: Any) -> Any:
-    from pathlib import Path
-
-    from daq.importing.options import ImportOptions
-    from station.operations.new_session import session_info
-    from station.results.sessions import import_file, open_session
-
-    info = session_info(settings, mass)
-    if into is None:
-        return open_session(session, settings.sessions, info)
-    return import_file(Path(session), Path(into), settings.sessions, ImportOptions(), info).sessions[0]

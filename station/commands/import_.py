@@ -11,14 +11,16 @@ from station.commands.options import (
     CONDITIONS,
     MASS,
     MASS_STD,
+    OPERATOR,
+    SPECIMEN,
     UNITS,
     VARIES,
     new_session_option,
-    number_or_name,
-    pairs,
+    pass_settings,
 )
 from station.exits import UsageProblem
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, say, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -64,26 +66,26 @@ if TYPE_CHECKING:
     "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
 )
 @click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
-@click.option("--specimen", help="What was tested.")
-@click.option("--operator", help="Who tested it.")
+@SPECIMEN
+@OPERATOR
 @CONDITIONS
 @VARIES
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     /,
     file: Path,
     folder: Path | None,
     mass: float | None,
     mass_std: float | None,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str | int],
+    units: dict[str, str],
     angle_from: str | None,
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...],
-    varies: str | None,
+    varies: tuple[str, ...],
     recipe: str | None,
     ask: bool,
     as_json: bool,
@@ -101,12 +103,9 @@ def command(
     from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
     from station.safe_text import harmless
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
-    chosen = {name: number_or_name(value) for name, value in pairs("--column", columns).items()}
     options = ImportOptions(
-        columns=chosen, units=pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
+        columns=columns, units=units, angle_from=_two("--angle-from", angle_from), **others
     )
     alone = replace(options, accept=False) == ImportOptions()
     if recipe not in (None, NONE) and (ask or not alone):
@@ -172,7 +171,7 @@ def _say(file: Path, imported: "Imported") -> None:
     for note in imported.notes:
         console.print(f"  - {note}", markup=False)
     for session in imported.sessions:
-        console.print(f"session: {session.folder}", markup=False, soft_wrap=True)
+        say(f"session: {session.folder}")
     recipe = imported.sessions[0].folder / RECIPE
-    console.print(f"recipe: {recipe} (a copy, corrected, is read by --recipe)", markup=False, soft_wrap=True)
-    console.print(next_line("identify", imported.sessions[0].folder), markup=False, soft_wrap=True)
+    say(f"recipe: {recipe} (a copy, corrected, is read by --recipe)")
+    say(next_line("identify", imported.sessions[0].folder))

@@ -4,23 +4,23 @@ from typing import Any
 
 import click
 
-from station.commands.options import SESSION
+from station.commands.options import SESSION, pass_settings
 from station.exits import UsageProblem
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, say, screen
+from station.settings import Settings
 
 
 @click.command("info")
 @SESSION
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, session: str, as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, session: str, as_json: bool) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
     from identify.formatting import plain_name
     from station.operations.current_model import current_model
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    opened = open_session(session, load_settings(settings_file).sessions)
+    opened = open_session(session, settings.sessions)
     recording = opened.recording()
     manifest = opened.manifest() if opened.verdict is not None else None
     verdict = None if manifest is None else manifest.verdict
@@ -80,7 +80,7 @@ def _print(document: dict[str, Any], rate: float, model: str) -> None:
     lines += [("flagged", line) for line in flagged_lines(document["flags"], rate)]
     lines += [("note", note) for note in document["notes"]]
     show_parts(console, facts(lines))
-    console.print(next_line(_next(document["results"]), document["session"]), markup=False, soft_wrap=True)
+    say(next_line(_next(document["results"]), document["session"]))
 
 
 def _next(results: list[str]) -> str:

@@ -5,21 +5,22 @@ from typing import Any
 
 import click
 
-from station.output import json_option, print_json, screen
+from station.commands.options import pass_settings
+from station.output import json_option, print_json, say, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 
 @click.command("list")
 @click.argument("folder", required=False, type=click.Path(path_type=Path))
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, folder: Path | None, as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, folder: Path | None, as_json: bool) -> None:
     """List the sessions in FOLDER (default: ./sessions), oldest first."""
     from daq.session import list_sessions
     from station.exits import UsageProblem
-    from station.settings import load_settings
 
-    place = folder or load_settings(settings_file).sessions
+    place = folder or settings.sessions
     if folder is not None and not place.is_dir():
         raise UsageProblem(f"{place}: there is no such folder")
     found = list_sessions(place) if place.is_dir() else ()
@@ -65,4 +66,4 @@ def _print(found: Any) -> None:
         rows.append((summary.folder.name, made, info.state.value, getattr(info, "verdict", "") or "", mass))
     head = ("session", "made", "state", "verdict", "mass")
     show_parts(screen(), [Table("", head, tuple(rows), texts=5)])
-    screen().print(next_line("info", found[-1].folder), markup=False, soft_wrap=True)
+    say(next_line("info", found[-1].folder))

@@ -1,14 +1,27 @@
 """Options that several commands share."""
 
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
 from station.exits import UsageProblem
+from station.settings import load_settings
 
 Given = TypeVar("Given", str, tuple[str, ...])
+
+
+def pass_settings(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the settings as its first argument; UsageProblem where the file that was named is none."""
+
+    @click.pass_obj
+    @wraps(command)
+    def with_settings(file: str | None, /, *args: Any, **given: Any) -> Any:
+        return command(load_settings(file), *args, **given)
+
+    return with_settings
 
 
 def existing(
@@ -21,7 +34,6 @@ def existing(
 
     def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
         from station.results.session_names import refuse_unknown
-        from station.settings import load_settings
 
         sessions = load_settings(context.obj).sessions
         for name in (value,) if isinstance(value, str) else value:
@@ -32,17 +44,35 @@ def existing(
     return check
 
 
+def by_quantity(context: click.Context, parameter: click.Parameter, given: tuple[str, ...]) -> dict[str, str]:
+    """Split options of the form QUANTITY=VALUE. Raises UsageProblem for anything else."""
+    found = {}
+    for pair in given:
+        name, separator, value = (part.strip() for part in pair.partition("="))
+        if not separator or not name or not value:
+            raise UsageProblem(f"{parameter.opts[0]} {pair}: write QUANTITY=VALUE, as displacement=2")
+        found[name] = value
+    return found
+
+
+def columns_by_quantity(
+    context: click.Context, parameter: click.Parameter, given: tuple[str, ...]
+) -> dict[str, str | int]:
+    """Split options of the form QUANTITY=COLUMN, the number of a column or its name."""
+    found = by_quantity(context, parameter, given)
+    return {name: int(column) if column.isdigit() else column for name, column in found.items()}
+
+
 def known_effect(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
     """Refuse at once an effect that is not in the library; a formula, and names of a file of effects, pass."""
-    from station.suggestions import MEASURED_CURVE, did_you_mean, effect_names
+    from station.suggestions import MEASURED_CURVE, effect_names, no_such_effect
 
     if value is None or "=" in value or context.params.get("effects_file"):
         return value
     names = (*effect_names(), MEASURED_CURVE)
-    if value in names:
-        return value
-    more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
-    raise UsageProblem(f"no effect is called '{value}'{did_you_mean(value, names)}; {more}")
+    if value not in names:
+        raise no_such_effect(value, names)
+    return value
 
 
 SESSION = click.argument("session", callback=existing())
@@ -106,13 +136,17 @@ CONDITIONS = click.option(
     help='A known condition of the test, as "temperature [degC]=21.5".',
 )
 VARIES = click.option(
-    "--varies", metavar="NAME,...", help="What differs between the sessions of one rig, as stiffness,inertia."
+    "--varies",
+    metavar="NAME,...",
+    callback=lambda context, parameter, value: tuple(value.split(",")) if value else (),
+    help="What differs between the sessions of one rig, as stiffness,inertia.",
 )
 COLUMNS = click.option(
     "--column",
     "columns",
     multiple=True,
     metavar="QUANTITY=COLUMN",
+    callback=columns_by_quantity,
     help="Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
 )
 UNITS = click.option(
@@ -120,6 +154,7 @@ UNITS = click.option(
     "units",
     multiple=True,
     metavar="QUANTITY=UNIT",
+    callback=by_quantity,
     help="Unit of a column, as mm, deg, g, '0.005 mm'.",
 )
 BAUD = click.option(
@@ -137,19 +172,3 @@ def release_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def new_session_option(text: str) -> Callable[..., Any]:
     """Make the option `--session`, passed on as `folder`: where what is made goes, as the help `text` says."""
     return click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help=text)
-
-
-def pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
-    """Split an option of the form QUANTITY=VALUE. Raises UsageProblem for anything else."""
-    found = {}
-    for pair in given:
-        name, separator, value = pair.partition("=")
-        if not separator or not name.strip() or not value.strip():
-            raise UsageProblem(f"{option} {pair}: write QUANTITY=VALUE, as displacement=2")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def number_or_name(value: str) -> str | int:
-    """Return a column's number where it is one, else its name."""
-    return int(value) if value.isdigit() else value

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, say, screen
 from station.text.next_step import next_line
 
 
@@ -26,10 +26,10 @@ def command(ports: tuple[str, ...], as_json: bool) -> None:
     if not found:
         screen().print("this computer has no serial port; is the board plugged in?", markup=False)
     for candidate in found:
-        screen().print(f"{candidate.port.name}  {_said(candidate)}", markup=False, soft_wrap=True)
+        say(f"{candidate.port.name}  {_said(candidate)}")
     boards = [candidate.port.name for candidate in found if candidate.hello is not None]
     following = next_line("capture", "--port", boards[0]) if boards else next_line("doctor")
-    screen().print(following, markup=False, soft_wrap=True)
+    say(following)
 
 
 def _entry(candidate: Any) -> dict[str, Any]:

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import BAUD, COLUMNS, UNITS, pairs
+from station.commands.options import BAUD, COLUMNS, UNITS, pass_settings
 from station.output import json_option, print_json, progress, screen
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from daq.sources.line_format import LineFormat, Sample
@@ -23,13 +24,13 @@ if TYPE_CHECKING:
 )
 @BAUD
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     name: str | None,
     port: str,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str | int],
+    units: dict[str, str],
     rate: float | None,
     baud: int | None,
     as_json: bool,
@@ -43,14 +44,12 @@ def command(
     from daq.sources.open_source import LineOptions, open_bytes
     from daq.sources.profiles import profile_file, save_profile
     from station.operations.line_boards import profiles_of
-    from station.settings import load_settings
     from station.text.lines_text import show_format, show_lines
     from station.text.next_step import next_line
 
-    settings = load_settings(settings_file)
     if name is not None:
         profile_file(name, profiles_of(settings))
-    told = LineOptions(None, pairs("--column", columns), pairs("--unit", units), rate, baud)
+    told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
         if not as_json:

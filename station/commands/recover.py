@@ -4,26 +4,18 @@ from typing import Any
 
 import click
 
-from station.exits import Problem, code_of
-from station.output import json_option, print_json, screen
+from station.commands.options import pass_settings
+from station.exits import Answered, code_of
+from station.output import json_option, print_json, say, screen
+from station.settings import Settings
 from station.text.next_step import next_line
-
-
-class NotRecovered(Problem):
-    """Some sessions could not be recovered; each was named with its reason."""
-
-    reported = True
-
-    def __init__(self, message: str, exit_code: int) -> None:
-        super().__init__(message)
-        self.exit_code = exit_code
 
 
 @click.command("recover")
 @click.argument("sessions", nargs=-1)
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
     An unsealed session is sealed: everything up to the last whole record is
@@ -33,9 +25,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
     from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
     from station.results.session_names import session_folder
-    from station.settings import load_settings
 
-    root = load_settings(settings_file).sessions
+    root = settings.sessions
     if sessions:
         folders = [session_folder(name, root) for name in sessions]
     else:
@@ -52,7 +43,7 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
     else:
         _show(entries, problems)
     if problems:
-        raise NotRecovered(
+        raise Answered(
             f"{len(problems)} of {len(folders)} sessions could not be recovered", code_of(problems[0][1])
         )
 
@@ -62,9 +53,7 @@ def _show(entries: list[dict[str, Any]], problems: list[tuple[Any, Any]]) -> Non
     if not entries and not problems:
         console.print("nothing to recover: every session is whole", markup=False)
     for entry in entries:
-        console.print(
-            f"{entry['session']}: {entry['state']}, {entry['samples']} samples", markup=False, soft_wrap=True
-        )
+        say(f"{entry['session']}: {entry['state']}, {entry['samples']} samples")
         if entry["completed"]:
             console.print(
                 f"  a change was cut off and is complete now: {', '.join(entry['completed'])}", markup=False
@@ -72,9 +61,9 @@ def _show(entries: list[dict[str, Any]], problems: list[tuple[Any, Any]]) -> Non
         if entry["reason"]:
             console.print(f"  {entry['reason']}", markup=False)
     for folder, error in problems:
-        console.print(f"{folder}: NOT recovered: {error}", markup=False, soft_wrap=True)
+        say(f"{folder}: NOT recovered: {error}")
     following = ("identify", entries[0]["session"]) if entries else ("list",)
-    console.print(next_line(*following), markup=False, soft_wrap=True)
+    say(next_line(*following))
 
 
 def _entry(session: Any) -> dict[str, Any]:

@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from daq.session import Session
     from station.results.ladder import KeptLadder
 
@@ -36,9 +35,9 @@ if TYPE_CHECKING:
 @GAIN
 @NO_VIEWER
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     added: str | None,
     removed: str | None,
@@ -56,15 +55,15 @@ def command(
     The model, and every step of the ladder that led to it, are kept in the
     session. Without an option the ladder is printed.
     """
-    _refuse_several({"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None})
+    steps = {"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None}
+    if len(wanted := [option for option, given in steps.items() if given]) > 1:
+        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
     from dataclasses import replace
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
     ladder = refinement.ladder
@@ -92,12 +91,6 @@ def command(
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: one tab a step")
-
-
-def _refuse_several(steps: "Mapping[str, object]") -> None:
-    wanted = [option for option, given in steps.items() if given]
-    if len(wanted) > 1:
-        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
 
 
 def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:

@@ -2,8 +2,9 @@
 
 import click
 
-from station.commands.options import SESSION
+from station.commands.options import NO_VIEWER, SESSION, pass_settings
 from station.output import json_option
+from station.settings import Settings
 
 
 @click.command("replay")
@@ -15,19 +16,17 @@ from station.output import json_option
     show_default=True,
     help="Times real time; 0: as fast as it goes.",
 )
-@click.option("--no-viewer", is_flag=True, help="No live view.")
+@NO_VIEWER
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, session: str, speed: float, no_viewer: bool, as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, session: str, speed: float, no_viewer: bool, as_json: bool) -> None:
     """Send SESSION's raw bytes through the decoder again, and identify it."""
     from daq.replay import replay
     from station.commands.capture import finish
     from station.operations.capturing import live_screen
     from station.results.sessions import open_session
-    from station.settings import load_settings
     from station.text.capture_progress import Several, Watch
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as screen, Watch() as watch:
         replay(opened, Several((watch, *screen.observers)), speed)

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
+from station.output import json_option, print_json, progress, say
+from station.settings import Settings
 from station.text.next_step import next_line
 
 
@@ -21,9 +22,9 @@ from station.text.next_step import next_line
 @click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
 @click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     output: Path | None,
     mass: float | None,
@@ -38,9 +39,7 @@ def command(
     """
     from station.report.write import write_report
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     report = write_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, progress=progress)
     if as_json:
@@ -48,12 +47,11 @@ def command(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}
         )
     else:
-        console = screen()
-        console.print(f"report: {report.path}", markup=False, soft_wrap=True)
+        say(f"report: {report.path}")
         for name, reason in sorted(report.left_out.items()):
-            console.print(f"left out: {name.replace('_', ' ')}: {reason}", markup=False, soft_wrap=True)
+            say(f"left out: {name.replace('_', ' ')}: {reason}")
         if not with_browser:
-            console.print(next_line("report", session, "--open"), markup=False, soft_wrap=True)
+            say(next_line("report", session, "--open"))
     if with_browser:
         import webbrowser
 

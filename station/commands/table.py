@@ -4,23 +4,24 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import SESSIONS
+from station.commands.options import SESSIONS, pass_settings
 from station.exits import UsageProblem
-from station.output import print_json, progress
+from station.output import json_option, print_json, progress
+from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.identification_document import IdentificationDocument
 
-FORMATS = ("text", "csv", "latex", "json")
+FORMATS = ("text", "csv", "latex")
 
 
 @click.command("table")
 @SESSIONS
 @click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
-@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
-@click.pass_obj
-def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
+@json_option
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
 
     Sessions are identified on the way. Angles and lengths do not go into one
@@ -29,10 +30,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     from identify.errors import NotIdentifiable
     from station.operations.identifying import identify_session, kept_options
     from station.results.sessions import open_session
-    from station.settings import load_settings
     from station.text import table
 
-    settings = load_settings(settings_file)
     documents: list[IdentificationDocument] = []
     folders = []
     for name in sessions:
@@ -56,7 +55,7 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
     tables = table.make_tables(documents)
-    if as_json or form == "json":
+    if as_json:
         print_json(table.as_json(tables))
     else:
         writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, SESSIONS, VARIES, existing
+from station.commands.options import EFFECTS, SESSIONS, VARIES, existing, pass_settings
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 
 @click.command("validate")
@@ -15,13 +16,13 @@ from station.output import json_option, print_json, progress
 @VARIES
 @click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     model: str,
     sessions: tuple[str, ...],
     effects_file: Path | None,
-    varies: str,
+    varies: tuple[str, ...],
     hold: bool,
     as_json: bool,
 ) -> None:
@@ -34,9 +35,7 @@ def command(
     The usual model predicts under the same rule.
     """
     from station.operations.validating import validate_sessions
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     document = validate_sessions(
         model, sessions, settings, effects_file, hold=hold, varies=varies, progress=progress
     )

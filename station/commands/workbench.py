@@ -4,7 +4,9 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import pass_settings
 from station.output import progress
+from station.settings import Settings
 
 
 @click.command("workbench")
@@ -19,10 +21,8 @@ from station.output import progress
     help="Let other computers in; whoever has the address with its token can use the page.",
 )
 @click.option("--no-browser", is_flag=True, help="Do not open the browser.")
-@click.pass_obj
-def command(
-    settings_file: str | None, sessions: tuple[str, ...], port: int, host: str, no_browser: bool
-) -> None:
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], port: int, host: str, no_browser: bool) -> None:
     """Serve a page on which sessions are captured, compared, diagnosed and refined.
 
     SESSION is a session or a data file; without one the page offers those in
@@ -30,10 +30,8 @@ def command(
     address that is printed: it holds a token.
     """
     from station.results.sessions import open_session
-    from station.settings import load_settings
     from station.workbench.server import serve
 
-    settings = load_settings(settings_file)
     settings = settings.model_copy(update={"sessions": settings.sessions.resolve()})
     named: tuple[Path, ...] = tuple(open_session(name, settings.sessions).folder for name in sessions)
     if host != "127.0.0.1":

@@ -15,7 +15,6 @@ from daq.port import Port
 from daq.session import Session
 from station.operations.new_session import new_folder
 from station.output import progress
-from station.story.identification import Identification
 from station.text.capture_progress import Several, Watch
 
 
@@ -95,15 +94,3 @@ def live_screen(rate: float, with_viewer: bool) -> Iterator[Screen]:
                 return
         progress("no screen here: no live view")
     yield Screen(None, ())
-
-
-def show_result(url: str | None, session: Session, result: Identification) -> Path:
-    """Keep the viewer's recording in the session, and show it in the live viewer when there is one."""
-    from station.operations.identifying import write_view
-
-    file = write_view(session, result)
-    if url is not None:
-        from station.views import show
-
-        show.send(url, session.folder.name, result)
-    return file

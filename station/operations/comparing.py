@@ -6,7 +6,7 @@ from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.current_model import CurrentModel, current_model
 from station.operations.record_floor import prepare_with_floor
-from station.operations.session_set import whole_library
+from station.own_effects import whole_library
 from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
 from station.results.documents import write_document
 from station.settings import Settings

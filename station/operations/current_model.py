@@ -16,9 +16,6 @@ from station.results.identification_document import NAME, IdentificationDocument
 from station.results.ladder import KeptStep, read_ladder
 from station.results.models import KnownModel, known_model, read_model, starting_values
 
-USUAL, IDENTIFIED, REFINED = "usual", "identified", "refined"
-REMEDY = "identify it again"
-
 
 @dataclass(frozen=True, eq=False)
 class CurrentModel:
@@ -67,14 +64,14 @@ def first_model(
     if file is None:
         return _own(sessions)
     name = "" if file.is_file() else str(file)
-    if name == USUAL:
+    if name == "usual":
         return CurrentModel(base_model())
-    if name == IDENTIFIED:
-        found = [identified_effects(session) for session in sessions]
-        return CurrentModel(
-            model_of(_alike(sessions, found, "identified", "identify")), "the identified model"
-        )
-    if name == REFINED:
+    if name == "identified":
+        kept = [kept_identification(session) for session in sessions]
+        found = [tuple(one.adequacy.effects) if one and one.adequacy else () for one in kept]
+        effects = _alike(sessions, found, "identified", "identify")
+        return CurrentModel(model_of(effects), "the identified model")
+    if name == "refined":
         tops = _refined(sessions)
         _alike(sessions, [() if top is None else tuple(top.effects) for top in tops], "refined", "refine")
         return model_of_step(next(top for top in tops if top), library)
@@ -90,13 +87,7 @@ def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> Curr
 
 def kept_identification(session: Session) -> IdentificationDocument | None:
     """Return the identification that a session keeps; UsageProblem where it was altered."""
-    return read_document(session, NAME, IdentificationDocument, REMEDY)
-
-
-def identified_effects(session: Session) -> tuple[str, ...]:
-    """Return the effects of the model that was identified in a session; none where nothing was identified yet."""
-    kept = kept_identification(session)
-    return () if kept is None or kept.adequacy is None else tuple(kept.adequacy.effects)
+    return read_document(session, NAME, IdentificationDocument, "identify it again")
 
 
 def model_of(names: Sequence[str]) -> Model:

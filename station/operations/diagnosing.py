@@ -4,49 +4,17 @@ from pathlib import Path
 
 from identify.comparison.shared_physics import OTHER_BENCH, SharedPhysics, shared_physics
 from identify.diagnosis.diagnose import Diagnosis
-from identify.errors import NotIdentifiable
-from identify.model.model import base_model
-from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
+from station.exits import UsageProblem
 from station.operations.current_model import CurrentModel, current_model
-from station.operations.session_set import SessionSet, declared, open_sessions, whole_library
-from station.output import print_json
+from station.operations.session_set import SessionSet
+from station.own_effects import whole_library
 from station.results.diagnosis_document import (
     DiagnosisDocument,
     diagnosis_document,
-    refused_document,
     write_diagnosis,
 )
-from station.settings import Settings
 from station.story.pipeline import Progress, diagnose, silent
 from station.text.next_step import command_line
-
-
-class NotEnoughData(Problem):
-    """The record holds too little to diagnose; the document was printed already."""
-
-    exit_code = NOT_IDENTIFIABLE
-    reported = True
-
-
-def open_or_refuse(
-    arguments: tuple[str, ...],
-    settings: Settings,
-    gain_percent: float | None,
-    as_json: bool,
-    varies: str = "",
-) -> SessionSet:
-    """Open the sessions; where all hold too little, print the verdict as JSON if asked and raise NotEnoughData.
-
-    `varies` names what was changed on purpose between them, with commas.
-    """
-    changed = declared([varies.split(",")] if varies else ())
-    try:
-        return open_sessions(arguments, settings, gain_percent, changed)
-    except NotIdentifiable as refusal:
-        if as_json:
-            names = tuple(Path(argument).name for argument in arguments)
-            print_json(refused_document(names, base_model(), str(refusal)).plain())
-        raise NotEnoughData(f"not enough data: {refusal}") from refusal
 
 
 def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> SharedPhysics | None:
@@ -114,9 +82,3 @@ def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:
     """Write results/diagnosis.json into each session."""
     for session in sessions.sessions:
         write_diagnosis(session, document)
-
-
-def refuse_if_too_little(document: DiagnosisDocument) -> None:
-    """Raise NotEnoughData when that is the verdict."""
-    if document.verdict == "not_enough_data":
-        raise NotEnoughData(f"not enough data: {document.explanation}")

@@ -1,4 +1,4 @@
-"""What `station doctor` looks at, one function a subject; each returns findings: PASS, WARN or FAIL, and the remedy."""
+"""What `station doctor` looks at, one function a subject; each yields findings: PASS, WARN or FAIL, and the remedy."""
 
 import importlib.metadata
 import os
@@ -12,9 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from daq.board_sample import BoardSample
+from daq import port_facts
+from daq.board_sample import BoardSample, sample_board
 from daq.clock_check import CLOCK_LIMIT, SIGMAS
-from daq.port_facts import PortFacts
+from daq.errors import StationError
+from daq.ports import list_ports
+from daq.recording import Recording
 from daq.wiring_check import large_motion, suspicions
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
@@ -42,8 +45,26 @@ class Finding:
     remedy: str = ""
 
 
-def versions() -> Iterator[Finding]:
-    """Check Python and the packages."""
+def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator[Finding]:
+    """Check the computer, and a port with its board: the one that is named, or each on which a board answers."""
+    yield from _versions()
+    yield from _disk(sessions)
+    if port:
+        yield from _board(port, rate, seconds)
+        return
+    candidates = list_ports()
+    if not candidates:
+        remedy = "plug the board in, or name --port"
+        yield Finding(Grade.WARN, "ports", "this computer has no serial port", remedy)
+    for candidate in candidates:
+        if candidate.answers:
+            yield from _board(candidate.port.name, rate, seconds)
+        else:
+            remedy = "ignore this if no board is meant to be on that port"
+            yield Finding(Grade.WARN, "port", candidate.problem, remedy)
+
+
+def _versions() -> Iterator[Finding]:
     yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
     found, missing = [], []
     for name in PACKAGES:
@@ -58,7 +79,7 @@ def versions() -> Iterator[Finding]:
         yield Finding(Grade.PASS, "packages", ", ".join(found))
 
 
-def disk(sessions: Path) -> Iterator[Finding]:
+def _disk(sessions: Path) -> Iterator[Finding]:
     """Check space and sync time where sessions will be written; writes one small file and removes it."""
     folder = next(p for p in (sessions, *sessions.absolute().parents) if p.is_dir())
     free = shutil.disk_usage(folder).free / 1e6
@@ -95,14 +116,12 @@ def _sync_time(folder: Path) -> float:
     return slowest
 
 
-def port(name: str, facts: PortFacts) -> Iterator[Finding]:
-    """Check a port from outside: there, permitted, free, quick."""
+def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
+    """Check a port from outside (there, permitted, free, quick), then what its board sends."""
+    facts = port_facts.port_facts(name)
     if not facts.exists:
         yield Finding(Grade.FAIL, "port", f"{name} is not there", "plug the board in; see `station ports`")
         return
-    if not facts.permitted:
-        remedy = "join its group: sudo usermod -aG dialout $USER, then log in again"
-        yield Finding(Grade.FAIL, "permission", f"{name} may not be opened by this user", remedy)
     if facts.holders:
         who = ", ".join(f"{program} (process {pid})" for program, pid in facts.holders)
         yield Finding(Grade.WARN, "held by", who, "close that program")
@@ -110,23 +129,29 @@ def port(name: str, facts: PortFacts) -> Iterator[Finding]:
         grade = Grade.WARN if facts.latency_ms >= LATENCY_MS else Grade.PASS
         remedy = "lower it: echo 1 | sudo tee /sys/class/tty/NAME/device/latency_timer"
         yield Finding(grade, "latency", f"{facts.latency_ms} ms in the adapter", remedy)
-
-
-def board(sample: BoardSample) -> Iterator[Finding]:
-    """Check what a board sent: losses, levels and noise by channel, its rate, its wiring."""
+    if not facts.permitted:
+        remedy = "join its group: sudo usermod -aG dialout $USER, then log in again"
+        yield Finding(Grade.FAIL, "permission", f"{name} may not be opened by this user", remedy)
+        return
+    try:
+        sample = sample_board(name, seconds, rate)
+    except StationError as error:
+        what, _, remedy = str(error).rpartition("; ")
+        yield Finding(Grade.FAIL, "board", what or remedy, remedy if what else "")
+        return
     hello, recording = sample.hello, sample.recording
-    seconds = len(recording.valid) / recording.rate
-    yield Finding(Grade.PASS, "handshake", f"{hello.board}, firmware {hello.firmware}")
+    taken_s = len(recording.valid) / recording.rate
     lost = int((~recording.valid).sum())
+    yield Finding(Grade.PASS, "handshake", f"{hello.board}, firmware {hello.firmware}")
     yield Finding(
         Grade.WARN if lost or sample.damaged else Grade.PASS,
         "line",
-        f"{lost} of {len(recording.valid)} samples lost, {sample.damaged} frames damaged in {seconds:.1f} s",
+        f"{lost} of {len(recording.valid)} samples lost, {sample.damaged} frames damaged in {taken_s:.1f} s",
         "a shorter cable, another hub, or a slower rate",
     )
-    yield from _levels(sample)
+    yield from _levels(recording)
     yield _rate(sample)
-    yield from _wiring(sample)
+    yield from _wiring(recording)
 
 
 def _noise(samples: np.ndarray) -> float:
@@ -136,8 +161,7 @@ def _noise(samples: np.ndarray) -> float:
     return float(np.median(np.abs(np.diff(samples, 3))) / 0.6745 / np.sqrt(20))
 
 
-def _levels(sample: BoardSample) -> Iterator[Finding]:
-    recording = sample.recording
+def _levels(recording: Recording) -> Iterator[Finding]:
     for channel, all_samples in zip(recording.channels, recording.samples, strict=True):
         samples = all_samples[recording.valid]
         level, noise, span = float(samples.mean()), _noise(samples), float(np.ptp(samples))
@@ -161,8 +185,7 @@ def _rate(sample: BoardSample) -> Finding:
     return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
 
 
-def _wiring(sample: BoardSample) -> Iterator[Finding]:
-    recording = sample.recording
+def _wiring(recording: Recording) -> Iterator[Finding]:
     x, a = recording.channel("displacement"), recording.channel("acceleration")
     if x is None or a is None:
         return
@@ -171,18 +194,13 @@ def _wiring(sample: BoardSample) -> Iterator[Finding]:
         return
     start = _swinging_from(x)
     if start is None or np.ptp(a) < MOVES * _noise(a):
-        yield Finding(
-            Grade.WARN,
-            "wiring",
-            "not checked: the mass is at rest",
-            "swing it and run `station doctor --seconds 10`",
-        )
+        remedy = "swing it and run `station doctor --seconds 10`"
+        yield Finding(Grade.WARN, "wiring", "not checked: the mass is at rest", remedy)
         return
     found = suspicions(x[start:], a[start:], recording.rate)
     for suspicion in found:
-        yield Finding(
-            Grade.FAIL if suspicion.certain else Grade.WARN, "wiring", suspicion.reason, suspicion.advice
-        )
+        grade = Grade.FAIL if suspicion.certain else Grade.WARN
+        yield Finding(grade, "wiring", suspicion.reason, suspicion.advice)
     if not found:
         yield Finding(Grade.PASS, "wiring", "displacement and acceleration agree in sign, scale and channel")
 

@@ -38,16 +38,6 @@ EXAMPLES = (
 )
 
 
-def example(name: str) -> Example:
-    """Return the example of that name; UsageProblem when there is none."""
-    for one in EXAMPLES:
-        if one.name == name:
-            return one
-    names = [e.name for e in EXAMPLES]
-    meant = did_you_mean(name, names) or f"; there are {', '.join(names)}"
-    raise UsageProblem(f"there is no example '{name}'{meant}")
-
-
 def examples_folder() -> Path:
     """Return the folder that holds the recordings: that of the clone, else the one that was installed.
 
@@ -62,13 +52,17 @@ def examples_folder() -> Path:
 
 
 def open_example(name: str, sessions: Path) -> Session:
-    """Return the session of an example; it is imported into `sessions` the first time."""
-    from station.results.sessions import import_file
-
-    wanted = example(name)
-    file = examples_folder() / wanted.file
-    folder = sessions / wanted.name
+    """Return the session of an example; it is imported into `sessions` the first time. UsageProblem when there is none."""
+    wanted = next((one for one in EXAMPLES if one.name == name), None)
+    if wanted is None:
+        names = [one.name for one in EXAMPLES]
+        meant = did_you_mean(name, names) or f"; there are {', '.join(names)}"
+        raise UsageProblem(f"there is no example '{name}'{meant}")
+    folder = sessions / name
     if folder.is_dir():
         return Session.open(folder)
+    from station.results.sessions import import_file  # not before a typo is answered: it loads the numerics
+
     info = SessionInfo(specimen=wanted.about, mass_kg=wanted.mass_kg)
+    file = examples_folder() / wanted.file
     return import_file(file, folder, sessions, wanted.options, info).sessions[0]

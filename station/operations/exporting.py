@@ -1,7 +1,5 @@
 """Write a session's channels, on one clock, into a file of another program's format."""
 
-import os
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +8,7 @@ import numpy as np
 from daq.exporting import Exported, encode
 from daq.recording import Recording
 from daq.session import Session
-from daq.storage import refused
+from daq.storage import write_whole
 from identify.errors import NotIdentifiable
 from identify.formatting import with_error
 from identify.preprocessing.aligned_decay import locate_and_align
@@ -61,20 +59,7 @@ def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool
     if file.exists() and not overwrite:
         raise UsageProblem(f"{file} is there already; choose another name, or --overwrite")
     content = encode(exported, form)
-    try:
-        descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
-    except OSError as error:
-        raise refused(file, error) from error
-    try:
-        with os.fdopen(descriptor, "wb") as part:
-            part.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(0o666 & ~mask)
-        Path(name).replace(file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_whole(file, content)
     return len(content)
 
 

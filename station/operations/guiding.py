@@ -92,32 +92,30 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             "provisional": answer,
         }
         document = None
-        try:
-            _refuse_if_rejected(session)
-            prepared = prepare_with_floor(session, test.settings)
-            trial = SessionSet((*sessions, session), (*decays, prepared))
-            found = diagnose(trial.decays)
-        except _Rejected as refusal:
-            turn["problem"] = str(refusal)
-            told = _again(told, str(refusal), [one.problem for one in turns])
-        except NotIdentifiable as refusal:
-            told = _instead(told, test.limits, str(refusal))
-            turn["problem"] = str(refusal)
+        if rejected := _why_rejected(session):
+            turn["problem"] = rejected
+            told = _again(told, rejected, [one.problem for one in turns])
         else:
-            turn |= _gave(told, before, found)
-            sessions, decays, before = trial.sessions, trial.decays, found
-            told, document = (
-                guidance(found, len(sessions), test.limits),
-                diagnosis_document(trial.names, found),
-            )
-            turn |= {
-                "verdict": document.verdict,
-                "named": document.named,
-                "hypotheses": document.hypotheses,
-                "next_release": next_release_document(told.chosen),
-                "judged_s": time.monotonic() - began,
-            }
-            keep(trial, document)
+            try:
+                prepared = prepare_with_floor(session, test.settings)
+                trial = SessionSet((*sessions, session), (*decays, prepared))
+                found = diagnose(trial.decays)
+            except NotIdentifiable as refusal:
+                turn["problem"] = str(refusal)
+                told = _instead(told, test.limits, str(refusal))
+            else:
+                turn |= _gave(told, before, found)
+                sessions, decays, before = trial.sessions, trial.decays, found
+                told = guidance(found, len(sessions), test.limits)
+                document = diagnosis_document(trial.names, found)
+                turn |= {
+                    "verdict": document.verdict,
+                    "named": document.named,
+                    "hypotheses": document.hypotheses,
+                    "next_release": next_release_document(told.chosen),
+                    "judged_s": time.monotonic() - began,
+                }
+                keep(trial, document)
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
@@ -147,14 +145,12 @@ def _record(
     return session, provisional.answer
 
 
-class _Rejected(Exception):
-    """The recording is not good enough to be judged; the message says why."""
-
-
-def _refuse_if_rejected(session: Session) -> None:
+def _why_rejected(session: Session) -> str:
+    """Say why a recording is not good enough to be judged; "" where it is."""
     verdict = session.verdict
-    if verdict is not None and verdict.grade is Grade.REJECT:
-        raise _Rejected(f"the recording was rejected: {'; '.join(verdict.reasons)}")
+    if verdict is None or verdict.grade is not Grade.REJECT:
+        return ""
+    return f"the recording was rejected: {'; '.join(verdict.reasons)}"
 
 
 def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:

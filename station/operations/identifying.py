@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from daq.errors import NotASession
 from daq.session import Session
 from identify.errors import NotIdentifiable
-from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
+from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
 from station.results.documents import write_document
@@ -25,13 +25,6 @@ if TYPE_CHECKING:
 VIEW = "identification.rrd"
 
 
-class NothingIdentified(Problem):
-    """Neither method could identify anything; the message says why."""
-
-    exit_code = NOT_IDENTIFIABLE
-    reported = True
-
-
 def identify_session(session: Session, options: Options) -> tuple[Identification, IdentificationDocument]:
     """Identify a session and write results/identification.json; return the identification and its document.
 
@@ -41,21 +34,17 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     found = locate(recording, options)
     result = identify(recording, options, found)
     try:
+        doubt = recording_doubt(session.manifest())
+    except NotASession:  # it is not sealed
+        doubt = ""
+    try:
         prepared = with_floor(session, prepare_recording(recording, options, found=found))
-        result = with_adequacy(result, prepared, _doubt(session))
+        result = with_adequacy(result, prepared, doubt)
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
     write_document(session, NAME, document)
     return result, document
-
-
-def _doubt(session: Session) -> str:
-    """Say what the verdict holds against the recording's values; "" for a session that is not sealed."""
-    try:
-        return recording_doubt(session.manifest())
-    except NotASession:
-        return ""
 
 
 def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:
@@ -72,10 +61,10 @@ def kept_options(session: Session, settings: Settings, mass: float | None = None
 
 
 def refuse_if_nothing(result: Identification) -> None:
-    """Raise NothingIdentified when both methods refused."""
+    """Raise Answered when both methods refused."""
     if result.wavelet is None and result.restoring_force is None:
         reasons = dict.fromkeys(result.refusals[step] for step in ("wavelet", "restoring_force"))
-        raise NothingIdentified("nothing could be identified: " + "; ".join(reasons))
+        raise Answered("nothing could be identified: " + "; ".join(reasons))
 
 
 def write_view(

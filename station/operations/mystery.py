@@ -5,7 +5,6 @@ import re
 import secrets
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from rich.console import Console
@@ -13,20 +12,18 @@ from rich.padding import Padding
 from rich.text import Text
 
 from daq.session import Session
-from daq.session_info import SessionInfo
 from identify.formatting import decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
-from station.exits import Problem, UsageProblem
-from station.operations.capturing import record
+from station.exits import UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.new_session import capture_settings, new_folder
+from station.operations.new_session import new_folder
 from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
-from station.operations.simulated_board import simulated_board
-from station.output import print_json, progress, screen
+from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
+from station.output import print_json, progress, say, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
@@ -39,7 +36,6 @@ from station.text.layout import show, show_parts
 from station.text.next_step import next_line
 from station.text.numbers import DASH, typeset, with_unit
 
-MASS_KG = 21.36
 SEEDS = 1000
 BOARD = "mocks.mystery"
 
@@ -106,22 +102,10 @@ def solve(
     no_viewer: bool,
     console: Console,
 ) -> tuple[Solved, str | None]:
-    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL.
-
-    The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
-    """
-    info = SessionInfo(specimen=f"mystery {seed}", mass_kg=MASS_KG, operator="demo")
-    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
-    with TemporaryDirectory() as temporary:
-        envelope = Path(temporary) / "truth.json"
-        with simulated_board(seed, speed, pty, "--truth", str(envelope), module=BOARD) as port:
-            progress(f"a simulated board answers at {port}")
-            session, url = record(port, wanted, where, not no_viewer)
-        return _solve(session, settings, console, seed, envelope), url
-
-
-def _solve(session: Session, settings: Settings, console: Console, seed: int, envelope: Path) -> Solved:
+    wanted = simulated_capture(settings, f"mystery {seed}", speed)
+    session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer, BOARD)
     sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
@@ -139,10 +123,7 @@ def _solve(session: Session, settings: Settings, console: Console, seed: int, en
         show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
     else:
         _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
-    if not envelope.is_file():
-        raise Problem("the simulated board did not say what it had hidden; start it again")
-    truth = json.loads(envelope.read_text(encoding="utf-8"))
-    return Solved(seed, session, document, ladder, truth)
+    return Solved(seed, session, document, ladder, json.loads(envelope)), url
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:
@@ -150,10 +131,8 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
-    with TemporaryDirectory() as temporary:
-        envelope = Path(temporary) / "truth.json"
-        with simulated_board(int(seed[1]), 1.0, False, "--truth", str(envelope), module=BOARD):
-            return dict(json.loads(envelope.read_text(encoding="utf-8")))
+    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, False, module=BOARD)
+    return dict(json.loads(envelope))
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
@@ -169,7 +148,7 @@ def _reveal(console: Console, solved: Solved) -> None:
     show_parts(console, [_side_by_side(solved)])
     console.print(Padding(_verdict(solved), (0, 1)))
     for line in (next_line("report", solved.session.folder), " another: station demo --mystery"):
-        console.print(line, markup=False, soft_wrap=True)
+        say(line)
 
 
 def places(compared: Compared) -> tuple[Part, ...]:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,11 +33,11 @@ def session_info(
     specimen: str | None = None,
     operator: str | None = None,
     conditions: tuple[str, ...] = (),
-    varies: str | None = None,
+    varies: Sequence[str] = (),
 ) -> SessionInfo:
     """Return a session's metadata from options, else from the settings.
 
-    `conditions` are numbers known of the test, each as "temperature [degC]=21.5"; `varies` are names with commas between.
+    `conditions` are numbers known of the test, each as "temperature [degC]=21.5".
     UsageProblem for a value that cannot be.
     """
     known = settings.specimen
@@ -49,7 +49,7 @@ def session_info(
             mass_kg=mass if mass is not None else known.mass_kg,
             mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
             conditions=measured,
-            varies=tuple(name.strip() for name in (varies or "").split(",") if name.strip()),
+            varies=tuple(name.strip() for name in varies if name.strip()),
         )
     except ValidationError as error:
         raise UsageProblem(f"{refusal(error).replace('_kg', ' [kg]').replace('_', ' ')}") from error
@@ -66,14 +66,20 @@ def _condition(text: str) -> tuple[str, float]:
     return name.strip(), number
 
 
-def _length(text: str | None) -> float | None:
-    """Return the metres of a length such as 12mm."""
+def metres(text: str) -> float | None:
+    """Read a length with its unit, such as 12mm; None where it is none."""
+    length = parse_scaled_unit(text.strip())
+    return (
+        None if length is None or length.si != "m" or parse_unit(text.strip()) is not None else length.scale
+    )
+
+
+def _release_from(text: str | None) -> float | None:
     if text is None:
         return None
-    length = parse_scaled_unit(text)
-    if length is None or length.si != "m" or parse_unit(text) is not None:
+    if (length := metres(text)) is None:
         raise UsageProblem(f"--release {text}: write a length with its unit, as 12mm or -8mm")
-    return length.scale
+    return length
 
 
 def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSettings:
@@ -83,20 +89,15 @@ def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSetti
     return capture_settings(settings, info, **given)
 
 
-def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
+def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> CaptureSettings:
     """Say how to capture: options where they were given, else the settings."""
-
-    def chosen(option: str, default: float) -> float:
-        given = timing.get(option)
-        return default if given is None else float(given)
-
-    known = settings.capture
+    known = settings.capture.model_copy(update={name: v for name, v in given.items() if v is not None})
     return CaptureSettings(
-        duration_s=chosen("duration", known.duration),
-        rate_hz=chosen("rate", known.rate),
-        pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
-        trigger_timeout_s=chosen("patience", known.patience),
-        trigger_level=timing.get("level"),
-        release_from=_length(timing.get("release")),
+        duration_s=known.duration,
+        rate_hz=known.rate,
+        pre_trigger_s=known.pre_trigger,
+        trigger_timeout_s=known.patience,
+        trigger_level=given.get("level"),
+        release_from=_release_from(given.get("release")),
         info=info,
     )

@@ -1,7 +1,6 @@
 """The noise floor of a record: its width is decided once, by the usual model, kept in the session, and stated everywhere."""
 
 from dataclasses import replace
-from typing import Literal
 
 from pydantic import Field
 
@@ -20,11 +19,10 @@ NAME = "noise_floor.json"
 
 
 class NoiseFloor(Document):
-    """The standard error of the reduced chi-square that a model which explains the record leaves, and who decided it."""
+    """The standard error of the reduced chi-square that a model which explains the record leaves."""
 
     session: str
     chi2_std: float = Field(gt=0, allow_inf_nan=False)
-    decided_by: Literal["usual model"] = "usual model"
 
 
 def prepare_with_floor(

@@ -25,14 +25,14 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
 from station.operations.record_floor import prepare_with_floor
-from station.operations.session_set import whole_library
+from station.own_effects import whole_library
 from station.results.documents import Errors, seen
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect, written
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.residual import residual_words
-from station.suggestions import MEASURED_CURVE, did_you_mean
+from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
 Seen = Callable[[KeptLadder, str], None]
 
@@ -127,13 +127,14 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     return _extended(refinement, (step,), why)
 
 
-def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, tuple[str, str | None]]:
+def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
     """Fit what `add` would keep; return the step, and what to say of it. Nothing is kept."""
     expressions = refinement.ladder.top.model.expressions
     top = step_again(refinement, refinement.ladder.top)
     effect: Effect
     if wanted == MEASURED_CURVE:
-        effect, line = curve_of_rest(top.baseline, _free_name(top.effects))
+        names = (MEASURED_CURVE, *(f"{MEASURED_CURVE}_{n}" for n in range(2, 99)))
+        effect, line = curve_of_rest(top.baseline, next(name for name in names if name not in top.effects))
         expressions = (*expressions, line)
     elif "=" in wanted:
         effect = _parsed(wanted, refinement.library)
@@ -149,13 +150,6 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, tuple[str, str
     return kept, _added(step, effect.name, top)
 
 
-def _free_name(taken: tuple[str, ...]) -> str:
-    """Return the name of one more measured curve: the first has no number."""
-    if MEASURED_CURVE not in taken:
-        return MEASURED_CURVE
-    return next(name for n in range(2, 99) if (name := f"{MEASURED_CURVE}_{n}") not in taken)
-
-
 def remove(refinement: Refinement, name: str) -> KeptLadder:
     """Take an effect out of the present model."""
     top = step_again(refinement, refinement.ladder.top)
@@ -166,10 +160,8 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     if len(top.effects) == 1:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     step = remove_effect(top, name)
-    expressions = refinement.ladder.top.model.expressions
-    return _extended(
-        refinement, (kept_step(step, expressions),), _manual(step, f"{plain_name(name)} was taken out")
-    )
+    kept = kept_step(step, refinement.ladder.top.model.expressions)
+    return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was taken out"))
 
 
 def refine_to_floor(
@@ -182,33 +174,30 @@ def refine_to_floor(
     begun, top = refinement.ladder, refinement.ladder.top
     known = known_model(top.model, "the ladder", refinement.library)
     steps: list[KeptStep] = []
-    reached = refinement
+    kept = begun
+
+    def keep(why: str, verdict: str | None = None) -> None:
+        nonlocal kept
+        from_here = replace(refinement, ladder=begun.with_(seen=kept.seen))  # it follows what was kept last
+        kept = _extended(from_here, tuple(steps), why, verdict)
 
     def on_step(step: Step, words: str) -> None:
-        nonlocal reached
         left = residual_words(step.error.motion_percent, step.error.chi_square)
         progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
         if not step.added and not step.removed:
             return
         steps.append(kept_step(step, top.model.expressions))
-        reached = _as_far_as(reached, begun, steps, (f"as found so far, {words}", None))
+        keep(f"as found so far, {words}")
         if found_so_far is not None:
             did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
-            found_so_far(reached.ladder, f"{did}; looking for what else is missing")
+            found_so_far(kept, f"{did}; looking for what else is missing")
 
     start = known.values | top.nuisances
     found = refine(
         refinement.prepared, known.model, library=refinement.library, known=start, progress=on_step
     )
-    return _as_far_as(reached, begun, steps, (found.stopped_because, found.verdict)).ladder
-
-
-def _as_far_as(
-    reached: Refinement, begun: KeptLadder, new: list[KeptStep], why: tuple[str, str | None]
-) -> Refinement:
-    """Keep the ladder that was begun with, and some new steps on it; it follows what was kept last."""
-    from_here = replace(reached, ladder=begun.with_(seen=reached.ladder.seen))
-    return replace(reached, ladder=_extended(from_here, tuple(new), why))
+    keep(found.stopped_because, found.verdict)
+    return kept
 
 
 def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
@@ -223,7 +212,7 @@ def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
     steps = tuple(kept_step(step, ladder.top.model.expressions) for step in dropped)
     names = ", ".join(plain_name(step.removed) for step in dropped)
     words = f"removed, because the residual hardly rises without: {names}"
-    return _extended(refinement, steps, (words, None)), f"{words[:1].upper()}{words[1:]}."
+    return _extended(refinement, steps, words), f"{words[:1].upper()}{words[1:]}."
 
 
 def go_to(refinement: Refinement, number: int) -> KeptLadder:
@@ -231,20 +220,21 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
     ladder = refinement.ladder
     if not 0 <= number < len(ladder.steps):
         raise UsageProblem(f"--to {number}: the ladder has steps 0 to {len(ladder.steps) - 1}")
-    changed = ladder.with_(present=number, stopped_because=f"gone back to step {number}", verdict=None)
-    if number == ladder.present:
-        changed = ladder
-    return write_ladder(refinement.session, changed)
+    if number != ladder.present:
+        ladder = ladder.with_(present=number, stopped_because=f"gone back to step {number}", verdict=None)
+    return write_ladder(refinement.session, ladder)
 
 
-def _extended(refinement: Refinement, new: tuple[KeptStep, ...], why: tuple[str, str | None]) -> KeptLadder:
+def _extended(
+    refinement: Refinement, new: tuple[KeptStep, ...], why: str, verdict: str | None = None
+) -> KeptLadder:
     ladder = refinement.ladder
     steps = (*ladder.steps[: ladder.present + 1], *new)
-    changed = ladder.with_(steps=steps, present=len(steps) - 1, stopped_because=why[0], verdict=why[1])
+    changed = ladder.with_(steps=steps, present=len(steps) - 1, stopped_because=why, verdict=verdict)
     return write_ladder(refinement.session, changed)
 
 
-def _added(step: Step, name: str, before: Step) -> tuple[str, str | None]:
+def _added(step: Step, name: str, before: Step) -> str:
     """Say what an effect that was added is worth."""
     share = share_explained(step, name, before)
     if share is None:
@@ -253,26 +243,20 @@ def _added(step: Step, name: str, before: Step) -> tuple[str, str | None]:
     return (
         f"{plain_name(name)} explains nothing ({percent} % of the residual, no more than chance would): take it out "
         f"with --remove {name}"
-    ), None
-
-
-def _manual(step: Step, done: str) -> tuple[str, str | None]:
-    if step.at_floor:
-        return f"{done}; the noise floor is reached", None
-    return (
-        f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}",
-        None,
     )
+
+
+def _manual(step: Step, done: str) -> str:
+    if step.at_floor:
+        return f"{done}; the noise floor is reached"
+    return f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}"
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:
     try:
         return find_effect(name, library)
     except KeyError as error:
-        raise UsageProblem(
-            f"no effect is called '{name}'{did_you_mean(name, [effect.name for effect in library])}; see `station "
-            'effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
-        ) from error
+        raise no_such_effect(name, [effect.name for effect in library]) from error
 
 
 def _parsed(text: str, library: tuple[Effect, ...]) -> Effect:

@@ -1,4 +1,6 @@
-"""The curves of a session: with the laws of the diagnosis that it keeps, and the sessions that were diagnosed with it."""
+"""Sessions that were diagnosed together with one, and the curves of them all with the laws of its diagnosis."""
+
+from pathlib import Path
 
 from daq.errors import StationError
 from daq.session import Session
@@ -23,22 +25,34 @@ def kept_curves(
 
     Sessions that are gone, or cannot be read, are left out. Raises UsageProblem when an effect is not in the library.
     """
-    names, decays = [session.folder.name], [prepared]
-    for name in document.sessions:
-        if name == session.folder.name:
-            continue
-        other = _beside(session, name, settings)
-        if other is not None and other.window.channels == prepared.window.channels:
-            names.append(name)
-            decays.append(other)
-    return diagnosed_curves(tuple(names), tuple(decays), document, library)
+    found = [(session.folder.name, prepared)]
+    for other in diagnosed_beside(session, document):
+        decay = prepared_or_none(other, settings)
+        if decay is not None and decay.window.channels == prepared.window.channels:
+            found.append((other.folder.name, decay))
+    names, decays = zip(*found, strict=True)
+    return diagnosed_curves(names, decays, document, library)
 
 
-def _beside(session: Session, name: str, settings: Settings) -> PreparedDecay | None:
-    folder = session.folder.parent / name
-    if folder.parent != session.folder.parent or not folder.is_dir():
-        return None
+def diagnosed_beside(session: Session, document: DiagnosisDocument) -> tuple[Session, ...]:
+    """Open the sessions in the same folder that a diagnosis looked at together with this one, those that are still there."""
+    place, own = session.folder.parent, session.folder.name
+    folders = [place / name for name in document.sessions if name != own]
+    opened = (opened_or_none(folder) for folder in folders if folder.parent == place)
+    return tuple(one for one in opened if one is not None)
+
+
+def opened_or_none(folder: Path) -> Session | None:
+    """Open a session; None where the folder is gone, or is none."""
     try:
-        return prepare_session(Session.open(folder), settings)
+        return Session.open(folder)
+    except (StationError, OSError):
+        return None
+
+
+def prepared_or_none(session: Session, settings: Settings) -> PreparedDecay | None:
+    """Prepare the release of a session; None where it holds too little or cannot be read."""
+    try:
+        return prepare_session(session, settings)
     except (StationError, Problem, NotIdentifiable, OSError):
         return None

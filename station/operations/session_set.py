@@ -1,12 +1,9 @@
-"""The sessions that the operator named, and the library of effects."""
+"""The sessions that the operator named."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from daq.session import Session
-from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.own_linear import VARIES, changed_on_purpose
 from identify.fitting.segments import largest_first
@@ -105,23 +102,3 @@ def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...
                 f"{session.folder.name} has {', '.join(window.channels)} in {window.unit}, {sessions[0].folder.name} has "
                 f"{', '.join(first.channels)} in {first.unit}; diagnose together what was measured alike"
             )
-
-
-def whole_library(file: Path | None) -> tuple[Effect, ...]:
-    """Return the library with the user's own effects from a Python file after it."""
-    if file is None:
-        return LIBRARY
-    from station.own_effects import load_effects
-
-    try:
-        own = load_effects(file)
-    except OSError as error:
-        raise UsageProblem(f"the effects {file} cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise UsageProblem(str(error)) from error
-    taken = {effect.name for effect in LIBRARY}
-    for effect in own:
-        if effect.name in taken:
-            raise UsageProblem(f"{file}: {effect.name} is in the library already; choose another name")
-        taken.add(effect.name)
-    return (*LIBRARY, *own)

@@ -1,11 +1,27 @@
-"""The simulated board, started as a program of its own."""
+"""The simulated board, started as a program of its own, and one release of it."""
 
 import contextlib
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TypeVar
 
+from daq.capture import CaptureSettings
+from daq.session import Session
+from daq.session_info import SessionInfo
 from station.exits import Problem
+from station.operations.capturing import record
+from station.operations.new_session import capture_settings
+from station.output import progress
+from station.settings import Settings
+
+Done = TypeVar("Done")
+
+MASS_KG = 21.36
+"""Of the bench that it simulates."""
 
 
 @contextlib.contextmanager
@@ -40,3 +56,42 @@ def simulated_board(seed: int, speed: float, pty: bool, *more: str, module: str 
         for stream in (process.stdin, process.stdout, process.stderr):
             if stream is not None:
                 stream.close()
+
+
+def on_simulated(
+    act: Callable[[str], Done], seed: int, speed: float, pty: bool, *more: str, module: str = "mocks"
+) -> tuple[Done, str]:
+    """Do something at the port of the simulated board; return what came of it, and how the board was made, as JSON."""
+    with TemporaryDirectory() as temporary:
+        envelope = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, *more, "--truth", str(envelope), module=module) as port:
+            done = act(port)
+        return done, envelope.read_text(encoding="utf-8")
+
+
+def simulated_capture(settings: Settings, specimen: str, speed: float) -> CaptureSettings:
+    """Say how the simulated bench is captured; at another speed than its own no clock can be checked."""
+    info = SessionInfo(specimen=specimen, mass_kg=MASS_KG, operator="demo")
+    return replace(capture_settings(settings, info), check_clock=speed == 1.0)
+
+
+def record_simulated(
+    wanted: CaptureSettings,
+    seed: int,
+    speed: float,
+    pty: bool,
+    folder: Path,
+    with_viewer: bool,
+    module: str = "mocks",
+) -> tuple[Session, str | None, str]:
+    """Record one release; return the session, the live viewer's URL, and how the board was made, as JSON.
+
+    The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
+    """
+
+    def act(port: str) -> tuple[Session, str | None]:
+        progress(f"a simulated board answers at {port}")
+        return record(port, wanted, folder, with_viewer)
+
+    (session, url), made_of = on_simulated(act, seed, speed, pty, module=module)
+    return session, url, made_of

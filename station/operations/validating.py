@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from daq.errors import StationError
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.force_effect import LinearPart
@@ -14,12 +13,13 @@ from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_set import declared, opened_once, whole_library
-from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
+from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
+from station.operations.session_set import declared, opened_once
+from station.own_effects import whole_library
+from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import write_document
 from station.results.ladder import read_ladder
 from station.results.models import KnownModel, ModelFile, known_model, read_model_file
-from station.results.session_names import find_session
 from station.results.sessions import open_session
 from station.results.validation_document import NAME, ValidationDocument, validation_document
 from station.settings import Settings
@@ -32,7 +32,7 @@ OWN = "the model was fitted to it"
 
 @dataclass(frozen=True, eq=False)
 class GivenModel:
-    """A model to be validated: what it is from, what it was fitted to, and its units by parameter."""
+    """A model to be validated: what it is from, its file with the units of its parameters, and what it was fitted to."""
 
     source: str
     file: ModelFile
@@ -47,12 +47,12 @@ def validate_sessions(
     effects_file: Path | None = None,
     *,
     hold: bool = False,
-    varies: str = "",
+    varies: tuple[str, ...] = (),
     progress: Progress = silent,
 ) -> ValidationDocument:
     """Predict sessions by a model (a file, or a session that keeps one); keep the document in each of them.
 
-    `varies` names, with commas, what was changed on purpose from what the model was fitted to, beside what the sessions'
+    `varies` names what was changed on purpose from what the model was fitted to, beside what the sessions'
     metadata say: each session has its own of that.
 
     Sessions that hold too little, and those that the model was fitted to, are skipped, which is said. Raises
@@ -62,11 +62,10 @@ def validate_sessions(
     opened = opened_once(sessions, settings)
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
-    changed = declared(
-        [*(session.info.varies for session, _ in ready), *([varies.split(",")] if varies else ())]
-    )
+    changed = declared([varies, *(session.info.varies for session, _ in ready)])
     decays = changed_on_purpose([decay for _, decay in ready], changed, _spring_of(given))
-    own = changed_on_purpose(_own_decays(given, settings), changed, _spring_of(given))
+    known = [prepared_or_none(session, settings) for session in given.fitted_to]
+    own = changed_on_purpose([decay for decay in known if decay is not None], changed, _spring_of(given))
     progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
@@ -86,35 +85,23 @@ def validate_sessions(
 def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -> GivenModel:
     """Return the model in a file, or the one that a session keeps: that of its ladder, else that of its diagnosis."""
     path = Path(argument)
+    fitted_to: tuple[Session, ...]
     if path.is_file():
-        file = read_model_file(path)
-        known = known_model(file, f"the model {path}", library)
-        return GivenModel(argument, file, known, _session_of(path))
-    if not path.is_dir() and find_session(argument, settings.sessions) is None:
-        raise UsageProblem(
-            f"{argument}: there is no such model file or session (sessions are looked for in {settings.sessions.resolve()})"
-        )
-    session = open_session(argument, settings.sessions)
-    file, fitted_to = _kept_model(session)
-    known = known_model(file, f"the model of {session.folder.name}", library)
-    return GivenModel(session.folder.name, file, known, fitted_to)
+        file, source, said = read_model_file(path), argument, f"the model {path}"
+        place = path.resolve().parent
+        session = opened_or_none(place.parent) if place.name == "results" else None
+        fitted_to = () if session is None else (session,)
+    else:
+        session = open_session(argument, settings.sessions)
+        source, said = session.folder.name, f"the model of {session.folder.name}"
+        file, fitted_to = _kept_model(session)
+    return GivenModel(source, file, known_model(file, said, library), fitted_to)
 
 
 def _spring_of(given: GivenModel) -> float:
     """Return the stiffness of a model, 1/s^2; 0 where it has none."""
     strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
     return 0.0 if strength is None else float(given.known.values[str(strength)])
-
-
-def _session_of(file: Path) -> tuple[Session, ...]:
-    """Return the session in whose results a model file lies, if it does."""
-    folder = file.resolve().parent
-    if folder.name != "results":
-        return ()
-    try:
-        return (Session.open(folder.parent),)
-    except (StationError, OSError):
-        return ()
 
 
 def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
@@ -124,31 +111,14 @@ def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
     if ladder is not None and set(ladder.top.effects) != usual:
         return ladder.top.model, (session,)
     diagnosis = read_diagnosis(session)
-    file = None if diagnosis is None else _found_by(diagnosis)
+    # The model with what it named, else that which was asked about.
+    file = None if diagnosis is None else diagnosis.final or diagnosis.fitted
     if diagnosis is None or file is None or set(file.names) == usual:
         raise UsageProblem(
             f"{session.folder.name} keeps no model but the usual one; `station diagnose` or `station refine` it first, "
             "or give a model file"
         )
-    return file, _diagnosed_together(session, diagnosis)
-
-
-def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
-    """Return the model with what a diagnosis named; that which was asked about where it named nothing."""
-    if diagnosis.final is not None:
-        return diagnosis.final
-    alone = diagnosis.named and not diagnosis.together
-    return diagnosis.suspects[0].model if alone and diagnosis.suspects else diagnosis.fitted
-
-
-def _diagnosed_together(session: Session, diagnosis: DiagnosisDocument) -> tuple[Session, ...]:
-    """Return a session with those beside it that were diagnosed together with it."""
-    found = [session]
-    for name in diagnosis.sessions:
-        folder = session.folder.parent / name
-        if name != session.folder.name and folder.is_dir():
-            found.append(Session.open(folder))
-    return tuple(found)
+    return file, (session, *diagnosed_beside(session, diagnosis))
 
 
 def _prepared(
@@ -197,17 +167,6 @@ def _check_suits(given: GivenModel, name: str, decay: PreparedDecay) -> None:
                     f"{name} has a displacement in {unit}, the model another unit: {entry.effect}.{parameter} is in "
                     f"{value.unit}, not in {expected}; validate it on sessions in the unit that it was fitted in"
                 )
-
-
-def _own_decays(given: GivenModel, settings: Settings) -> tuple[PreparedDecay, ...]:
-    """Return the releases that the model was fitted to, as far as they are known and still can be prepared."""
-    found = []
-    for session in given.fitted_to:
-        try:
-            found.append(prepare_session(session, settings))
-        except (NotIdentifiable, StationError):
-            continue
-    return tuple(found)
 
 
 def _percent(value: float) -> str:

@@ -4,14 +4,13 @@ from daq.session import Session
 from daq.storage import write_whole
 from station.campaign.kept import Kept
 from station.campaign.local_crew import LocalCrew
-from station.campaign.run import Request, run_campaign
+from station.campaign.run import Request
 from station.campaign.sources import FOLDER, find_sources
-from station.campaign.together import campaign_document
+from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest
 from station.report.write import NAME as REPORT
 from station.report.write import write_report
 from station.results.guide_document import NAME, GuideDocument
-from station.text.campaign_table import sessions_csv, trends_csv
 
 
 def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
@@ -24,10 +23,7 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
         return document
     kept = Kept(test.folder / FOLDER)
     sources = find_sources((str(test.folder),), test.settings)
-    table = campaign_document(
-        kept.folder, False, run_campaign(sources, Request(test.settings), LocalCrew(1), kept, _Silent())
-    )
-    kept.write_table(table, {"sessions.csv": sessions_csv(table), "trends.csv": trends_csv(table)})
+    campaign(sources, Request(test.settings), LocalCrew(1), kept, _Silent())
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
     report = write_report(session, test.folder / REPORT, settings=test.settings)

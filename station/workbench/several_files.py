@@ -40,31 +40,29 @@ def import_files(
     from rich.console import Console
 
     from station.campaign.crew import InThisProcess
-    from station.campaign.files import FolderImport, Names
+    from station.campaign.files import Names
+    from station.campaign.files import import_files as sessions_of
     from station.campaign.kept import Kept
-    from station.campaign.run import Request, run_campaign
+    from station.campaign.run import Request
     from station.campaign.sources import FOLDER, find_sources
-    from station.campaign.together import campaign_document
+    from station.campaign.together import campaign
     from station.operations.new_session import session_info
-    from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.campaign_text import told
     from station.text.layout import show
 
-    info = session_info(settings, mass, None, None, None, (), varies)
+    info = session_info(settings, mass, None, None, None, (), varies.split(","))
     form = Names(names) if names.strip() else None
     lines: list[str] = []
-    work = FolderImport(settings.sessions, settings.sessions, recipe, form, {}, info)
     made = []
-    for folder in work.sessions(files, lines.append):
+    for folder in sessions_of(files, settings.sessions, recipe, form, {}, info, lines.append):
         progress(f"read as {folder.name}")
         made.append(str(folder))
     if not made:
         raise UsageProblem(f"none of the {len(files)} files could be read: {'; '.join(lines)}")
     sources = find_sources(tuple(made), settings)
     kept = Kept(settings.sessions / FOLDER)
-    run = run_campaign(sources, Request(settings), InThisProcess(), kept, _Watch(len(sources), progress))
-    document = campaign_document(kept.folder, False, run, {})
-    kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
+    watch = _Watch(len(sources), progress)
+    document = campaign(sources, Request(settings), InThisProcess(), kept, watch)
     page = StringIO()
     show(Console(file=page, width=80, highlight=False, color_system=None), told(document))
     return Campaign([source.name for source in sources], "\n".join([*lines, page.getvalue().strip("\n")]))

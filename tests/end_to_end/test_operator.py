@@ -128,7 +128,7 @@ def test_a_capture_from_a_pseudo_terminal_then_replay_view_verify_and_table(tmp_
     viewed = json.loads(station("view", "first", "--no-viewer", "--json", cwd=tmp_path).stdout)
     assert (tmp_path / viewed["recording"]).exists()
     assert json.loads(station("verify", "first", "--json", cwd=tmp_path).stdout)["ok"]
-    table = json.loads(station("table", "first", "--format", "json", cwd=tmp_path).stdout)
+    table = json.loads(station("table", "first", "--json", cwd=tmp_path).stdout)
     assert table["table_1"][0]["K (WT)"]["value"] == found["wavelet"]["stiffness"]["value"]
     info = json.loads(station("info", "first", "--json", cwd=tmp_path).stdout)
     assert info["samples"] == found["record"]["samples"]

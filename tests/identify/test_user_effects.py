@@ -16,6 +16,7 @@ from identify.effects.user import build, own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate
+from station.exits import UsageProblem
 from station.own_effects import load_effects
 
 P = (0.7, 0.4, 1.3, 0.0, 0.0, 0.0)
@@ -452,13 +453,13 @@ def test_a_file_of_effects_is_read(tmp_path):
 def test_a_file_that_cannot_be_used_is_refused_in_a_sentence_with_the_line(tmp_path, text, said):
     file = tmp_path / "mine.py"
     file.write_text(text)
-    with pytest.raises(ValueError, match=said) as refused:
+    with pytest.raises(UsageProblem, match=said) as refused:
         load_effects(file)
     assert "\n" not in str(refused.value)
 
 
-def test_a_file_that_is_not_there_is_the_systems_own_error(tmp_path):
-    with pytest.raises(OSError, match="none"):
+def test_a_file_that_is_not_there_is_refused_by_its_name(tmp_path):
+    with pytest.raises(UsageProblem, match=r"none\.py cannot be read"):
         load_effects(tmp_path / "none.py")
 
 

@@ -49,32 +49,14 @@ class Here:
     workers = 1
 
     def __init__(self, after=None):
-        self.performed, self.after = [], after
-        self._waiting = []
+        self.performed_names, self.after = [], after
 
-    @property
-    def wanted(self):
-        return 2 - len(self._waiting)
-
-    @property
-    def busy(self):
-        return bool(self._waiting)
-
-    def submit(self, work):
-        self._waiting.append(work)
-
-    def answers(self):
-        if self.after is not None and len(self.performed) >= self.after:
-            raise KeyboardInterrupt
-        work = self._waiting.pop(0)
-        self.performed.append(work.name)
-        return [Answer(work, perform(work))]
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
+    def performed(self, works):
+        for work in works:
+            if self.after is not None and len(self.performed_names) >= self.after:
+                raise KeyboardInterrupt
+            self.performed_names.append(work.name)
+            yield Answer(work, perform(work))
 
 
 def work_called(name):

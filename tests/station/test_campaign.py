@@ -44,7 +44,7 @@ def campaign(folder, crew=None, *, out=None, diagnose=False, settings=None):
 
 def test_every_session_has_its_row_and_a_failed_one_its_reason(made):
     _, _, crew, document = made
-    assert len(crew.performed) == COUNT + 1  # the damaged one is not handed to anybody
+    assert len(crew.performed_names) == COUNT + 1  # the damaged one is not handed to anybody
     assert [row.result.session for row in document.rows] == [f"r{i:03d}" for i in range(COUNT)]
     assert [one.session for one in document.failed] == ["still", "torn"]
     assert all(one.reason for one in document.failed)
@@ -68,7 +68,7 @@ def test_the_trend_that_was_put_in_is_found_with_its_unit_and_the_first_of_all(m
 def test_a_second_run_does_nothing_and_says_the_same(made):
     folder, _, _, first = made
     again, crew = campaign(folder)
-    assert crew.performed == []
+    assert crew.performed_names == []
     assert again.kept == COUNT + 1
     document = campaign_document(folder / "campaign", False, again)
     assert document.rows == first.rows
@@ -83,7 +83,7 @@ def test_only_what_is_missing_changed_or_unreadable_is_done_again(made, tmp_path
     Session.open(folder / "r001").update(remarks="a draught", conditions={"temperature [degC]": 30.0})
     next((folder / "campaign" / "sessions").glob("r002-*")).write_text("{")
     run, crew = campaign(folder)
-    assert crew.performed == ["r000", "r002"]
+    assert crew.performed_names == ["r000", "r002"]
     document = campaign_document(folder / "campaign", False, run)
     assert document.rows[1].conditions["temperature [degC]"] == 30.0  # read afresh
     assert document.rows[0].result.parameters["wavelet.K"].unit == "N/m"
@@ -94,7 +94,7 @@ def test_an_interrupted_run_keeps_what_is_done_and_the_next_goes_on(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         campaign(folder, Here(after=2))
     run, crew = campaign(folder)
-    assert (run.kept, crew.performed) == (2, ["r002", "r003"])
+    assert (run.kept, crew.performed_names) == (2, ["r002", "r003"])
 
 
 def test_the_operators_numbers_and_dates_come_before_the_sessions(made):
@@ -179,7 +179,7 @@ def test_a_session_that_is_still_written_is_left_alone(tmp_path):
     session = make_noise(tmp_path / "sessions" / "now")
     session.update(state="recording")
     run, crew = campaign(tmp_path / "sessions")
-    assert crew.performed == []
+    assert crew.performed_names == []
     assert "station recover" in run.failed[0].reason
 
 
@@ -225,5 +225,5 @@ def test_a_diagnosed_session_has_its_verdict_and_the_named_effects_parameters(tm
     assert row.result.parameters["cubic_stiffness.k3"].std > 0
     assert row.result.motion_percent_named < 0.5 * row.result.motion_percent
     identified, crew = campaign(tmp_path / "sessions")  # without the diagnosis: another result, also kept
-    assert len(crew.performed) == 1
+    assert len(crew.performed_names) == 1
     assert identified.results[0][1].verdict is None

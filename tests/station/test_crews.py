@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 from many_sessions import deadly, make_sessions, slowly, work_called
 
-from station.campaign.crew import perform_all
 from station.campaign.dask_crew import MISSING, DaskCrew
 from station.campaign.local_crew import KILLED, LocalCrew
 from station.cli import run as station
@@ -39,11 +38,10 @@ def test_a_process_that_is_killed_loses_nothing(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
     works = [work_called(name) for name in names(12)]
     found = []
-    with LocalCrew(2, slowly) as crew:
-        for answer in perform_all(works, crew):
-            found.append(answer)
-            if len(found) == 3:
-                multiprocessing.active_children()[0].kill()
+    for answer in LocalCrew(2, slowly).performed(works):
+        found.append(answer)
+        if len(found) == 3:
+            multiprocessing.active_children()[0].kill()
     assert Counter(answer.result for answer in found) == Counter(names(12))
     assert all(not answer.problem for answer in found)
 
@@ -52,8 +50,7 @@ def test_a_process_that_is_killed_loses_nothing(monkeypatch):
 def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
     works = [work_called(name) for name in (*names(3), "deadly", "faulty", *names(6)[3:])]
-    with LocalCrew(2, deadly) as crew:
-        found = {answer.work.name: answer for answer in perform_all(works, crew)}
+    found = {answer.work.name: answer for answer in LocalCrew(2, deadly).performed(works)}
     assert found.pop("deadly").problem == KILLED
     assert found.pop("faulty").problem == "ZeroDivisionError: division by zero"
     assert {name: answer.result for name, answer in found.items()} == {name: name for name in names(6)}
@@ -64,11 +61,9 @@ import multiprocessing, os, signal
 from many_sessions import slowly, work_called
 from station.campaign.local_crew import LocalCrew
 if __name__ == "__main__":
-    with LocalCrew(1, slowly) as crew:
-        crew.submit(work_called("first"))
-        crew.answers()
-        print(multiprocessing.active_children()[0].pid, flush=True)
-        os.kill(os.getpid(), signal.SIGKILL)
+    next(LocalCrew(1, slowly).performed([work_called("first")]))
+    print(multiprocessing.active_children()[0].pid, flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
@@ -111,12 +106,12 @@ def processes(cluster):
 def test_a_worker_of_a_cluster_that_is_killed_loses_nothing(cluster):
     works = [work_called(name) for name in names(12)]
     found = []
-    with DaskCrew(cluster.scheduler_address, slowly) as crew:
-        assert crew.workers == 2
-        for answer in perform_all(works, crew):
-            found.append(answer)
-            if len(found) == 3:
-                os.kill(processes(cluster)[0], signal.SIGKILL)
+    crew = DaskCrew(cluster.scheduler_address, slowly)
+    for answer in crew.performed(works):
+        found.append(answer)
+        if len(found) == 3:
+            assert crew.workers == 2
+            os.kill(processes(cluster)[0], signal.SIGKILL)
     assert Counter(answer.result for answer in found) == Counter(names(12))
     assert all(not answer.problem for answer in found)
 
@@ -134,31 +129,25 @@ def test_sessions_go_to_a_cluster_with_their_content_and_the_results_come_home(c
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_without_a_worker_left_is_one_sentence(cluster):
     cluster.scale(0)
-    with (
-        pytest.raises(UsageProblem, match=r"no worker is left at .*what is done is kept"),
-        DaskCrew(cluster.scheduler_address, slowly, patience=1.0) as crew,
-    ):
-        list(perform_all([work_called("alone")], crew))
+    crew = DaskCrew(cluster.scheduler_address, slowly, patience=1.0)
+    with pytest.raises(UsageProblem, match=r"no worker is left at .*what is done is kept"):
+        list(crew.performed([work_called("alone")]))
 
 
 @pytest.mark.slow
 def test_nobody_at_the_address_is_one_sentence(monkeypatch):
     monkeypatch.setattr("station.campaign.dask_crew.CONNECT_S", 0.5)
-    with (
-        pytest.raises(UsageProblem, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"),
-        DaskCrew("tcp://127.0.0.1:9"),
-    ):
-        pass
+    with pytest.raises(UsageProblem, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
+        list(DaskCrew("tcp://127.0.0.1:9").performed([]))
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_that_goes_in_the_middle_is_one_sentence(cluster):
     works = [work_called(name) for name in names(12)]
-    with DaskCrew(cluster.scheduler_address, slowly) as crew:
-        answers = perform_all(works, crew)
-        next(answers)
-        with contextlib.suppress(Exception):
-            cluster.close(timeout=5)
-        with pytest.raises(UsageProblem, match=r"the scheduler at .* is gone"):
-            list(answers)
+    answers = DaskCrew(cluster.scheduler_address, slowly).performed(works)
+    next(answers)
+    with contextlib.suppress(Exception):
+        cluster.close(timeout=5)
+    with pytest.raises(UsageProblem, match=r"the scheduler at .* is gone"):
+        list(answers)
