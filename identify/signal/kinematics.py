@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
+from identify.algebra import banded_cholesky, solve_factored, whiten
 from identify.arrays import Array
 from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
 
@@ -145,8 +145,8 @@ def agree(
             columns = np.column_stack([h.apply(smooth_low, rows), gain * slope.apply(smooth_low, rows), slow])
         averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
         residual = averages - gain * h.apply(pair.low, rows)
-        factor = cholesky_banded(_covariance(pair, average, h, gain, rows), lower=True, check_finite=False)
-        weighted = cho_solve_banded((factor, True), columns, check_finite=False)
+        factor = banded_cholesky(_covariance(pair, average, h, gain, rows))
+        weighted = solve_factored(factor, columns)
         covariance = np.linalg.inv(columns.T @ weighted)
         change = covariance @ (weighted.T @ residual)
         misfit = residual - columns @ change
@@ -154,13 +154,13 @@ def agree(
             [average.transpose(column, rows, n) for column in (weighted @ covariance).T]
         )
         widened = covariance + influence.T @ (pair.jumps[:, None] * influence)
-        score = cho_solve_banded((factor, True), misfit, check_finite=False)
+        score = solve_factored(factor, misfit)
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
         chi_square = float(misfit @ score)
         slow_part = change[2:] if free else change
         offset = _slow_offset(n, slow_part)
-        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, _whiten(factor, misfit), chi_square,
+        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, whiten(factor, misfit), chi_square,
                            len(rows) - columns.shape[1], rows)  # fmt: skip
         if free:
             gain, lag = gain + float(change[0]), lag + float(change[1])
@@ -195,7 +195,3 @@ def _slow_columns(pair: Pair, average: Stencil, rows: range, terms: int) -> Arra
 
 def _slow_offset(n: int, coefficients: Array) -> Array:
     return np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(len(coefficients)) @ coefficients
-
-
-def _whiten(factor: Array, misfit: Array) -> Array:
-    return solve_banded((factor.shape[0] - 1, 0), factor, misfit, check_finite=False).astype(np.float64)

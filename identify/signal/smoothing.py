@@ -1,8 +1,8 @@
 """Smoothing with the noise in view: the smoothest signal that stays within the noise of one channel."""
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
+from identify.algebra import solve_banded
 from identify.arrays import Array, Mask
 
 PENALTY_ORDER = 4
@@ -31,7 +31,7 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
             band[k, m : m + n - PENALTY_ORDER] += strength * _PENALTY[m] * _PENALTY[m + k]
     weights = np.ones(n) if known is None else known.astype(float)
     band[0] += weights
-    return np.asarray(solveh_banded(band, weights * values, lower=True, check_finite=False))
+    return solve_banded(band, weights * values)
 
 
 def slope(values: Array, rate: float) -> Array:

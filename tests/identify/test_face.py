@@ -38,7 +38,7 @@ def test_importing_the_package_imports_nothing_heavy():
     assert run.stdout.strip() == "[]"
 
 
-def test_the_library_loads_no_machine_code_and_of_scipy_its_linear_algebra_alone():
+def test_the_library_loads_no_machine_code_and_of_scipy_its_algebra_alone():
     """What each takes a start costs a twentieth of a second or more."""
     asked = (
         "import sys, identify; library = identify.LIBRARY; import identify.preprocessing.prepared_decay as _; "
