@@ -81,6 +81,6 @@ def _banded_least_squares(design: Array, place: NDArray[np.int_], values: Array,
     found, left = np.zeros(columns), values
     for _ in range(2):
         right = np.bincount(place.ravel(), (design * left[:, None]).ravel(), columns)
-        found += solve_banded(band, right)
+        found += solve_banded(band, right.astype(np.float64))
         left = values - np.sum(design * found[place], axis=1)
     return np.asarray(found / size)
