@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.model.simulate import Response
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -23,7 +24,7 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.stick_slip import Decay, RunsAway, simulate_decay
+from identify.wavelet.stick_slip import RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
@@ -141,7 +142,7 @@ def parameters_of(
 
 def exact_decay(
     observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
-) -> Decay:
+) -> Response:
     """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
     stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
     amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
@@ -152,7 +153,7 @@ def exact_decay(
     )
 
 
-def channel_of(decay: Decay, derivatives: int) -> Array:
+def channel_of(decay: Response, derivatives: int) -> Array:
     """Return the displacement, velocity or acceleration of a computed decay."""
     return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
 
