@@ -10,11 +10,12 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
-from identify.preprocessing.sampling import block_means, first_gap, over_gaps, runs_of, too_coarse
+from identify.preprocessing.sampling import block_means, first_gap, over_gaps, too_coarse
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
-from identify.signal.running import running_maximum, running_median, running_minimum
+from identify.signal.running import running_maximum, running_median, running_minimum, runs_of
+from identify.signal.smoothing import without_line
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
 
@@ -308,20 +309,11 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
     if (
         stop - begin < 0.1 * turn
         or len(before) < 4
-        or _swing(before) > 0.6 * _swing(coarse[last - round(turn) : last])
+        or np.std(without_line(before)) > 0.6 * np.std(without_line(coarse[last - round(turn) : last]))
     ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
     return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
-
-
-def _swing(values: Array) -> float:
-    time = np.arange(len(values), dtype=float)
-    return float(
-        np.std(
-            values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1))
-        )
-    )
 
 
 def _most_trusted(found: list[tuple[_Channel, Onset]]) -> tuple[_Channel, Onset]:

@@ -11,8 +11,8 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import flat_frequency
 from identify.preprocessing.motion import Motion
-from identify.preprocessing.noise import noise_of
-from identify.preprocessing.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles
+from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.usable import first_free_sample, last_large_sample, require_cycles
 from identify.signal.smoothing import slope, smooth
 
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
@@ -76,19 +76,6 @@ def calmed(motion: Motion) -> Motion:
     return replace(
         motion, displacement=displacement, velocity=velocity, acceleration=acceleration, noise_velocity=None
     )
-
-
-def noise_levels(decay: FreeDecay) -> dict[str, float]:
-    """Return the noise of each channel present: as measured, or read off the record; never quite zero."""
-    present = [name for name in CHANNELS if getattr(decay, name) is not None]
-    levels = {name: getattr(decay, f"noise_{name}") for name in present}
-    if not all(levels.values()):
-        measured = noise_of(decay)
-        levels = {name: level or measured[name].std for name, level in levels.items()}
-    return {
-        name: max(level, 1e-9 * float(np.nanstd(getattr(decay, name))), 1e-300)
-        for name, level in levels.items()
-    }
 
 
 def noise_of_agreeing(decay: FreeDecay) -> Noises:

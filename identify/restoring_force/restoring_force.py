@@ -15,13 +15,12 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.usable import valid_samples
+from identify.preprocessing.noise import noise_levels
 from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
     ForceWindow,
     Noises,
     calmed,
-    noise_levels,
     noise_of_agreeing,
     points_of,
     window_of,
@@ -126,7 +125,7 @@ def identify_restoring_force_as_recorded(
         frozen(displacement),
         frozen(slope(displacement, decay.rate)),
         frozen(acceleration),
-        valid_samples(decay)[after],
+        decay.known[after],
         "displacement and acceleration, as recorded",
     )
     levels = noise_levels(decay)

@@ -34,6 +34,20 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
     return solve_banded(band, weights * values)
 
 
+def gain_of(corner: float, fraction: Array) -> Array:
+    """Return what `smooth` with a corner leaves of an oscillation of each frequency, both in cycles per sample."""
+    ratio = np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.5))
+    return np.asarray(1.0 / (1.0 + ratio**8))
+
+
+def without_line(values: Array, known: Mask | None = None) -> Array:
+    """Return `values` (n,) less the straight line through those that are known."""
+    place = np.linspace(-1.0, 1.0, len(values))
+    chosen = slice(None) if known is None else known
+    line = np.polynomial.polynomial.polyfit(place[chosen], values[chosen], 1)
+    return np.asarray(values - np.polynomial.polynomial.polyval(place, line))
+
+
 def slope(values: Array, rate: float) -> Array:
     """Return the first derivative of a smooth signal, shape (n,); seven points inside, cubic at the ends."""
     n = len(values)

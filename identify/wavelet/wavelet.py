@@ -9,10 +9,9 @@ from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.clock_error import clock_sentence, with_clock
 from identify.estimate import Estimate
 from identify.formatting import identified_rows
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
-from identify.preprocessing.usable import CHANNELS
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
