@@ -20,7 +20,6 @@ from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
     ForceWindow,
     Noises,
-    calmed,
     noise_of_agreeing,
     points_of,
     window_of,
@@ -102,7 +101,7 @@ def identify_restoring_force(
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
     decay, begins = block_averaged(aligned(decay))
-    motion = calmed(reconstruct(decay))
+    motion = reconstruct(decay)
     result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders, least_order)
     return replace(result, time=frozen(result.time + begins))
 
