@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
 from identify.preprocessing.sampling import block_means, first_gap, over_gaps, too_coarse
@@ -75,48 +75,23 @@ class _Burst(NamedTuple):
 
 
 def release_of(decay: FreeDecay) -> Release:
-    """Return the release with the largest motion in a decay's record; the whole record where a force drives it."""
+    """Find the release with the largest motion in a record; the whole record where a force drives it."""
     if decay.driven:
         return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
-    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
+    return max(_search(decay), key=lambda item: item[0])[1]
 
 
-def find_release(
-    rate: float,
-    displacement: Array | None = None,
-    velocity: Array | None = None,
-    acceleration: Array | None = None,
-    valid: Mask | None = None,
-) -> Release:
-    """Return the release with the largest motion in a record; see `find_releases`."""
-    found = _search(rate, displacement, velocity, acceleration, valid)
-    return max(found, key=lambda item: item[0])[1]
+def find_releases(decay: FreeDecay) -> tuple[Release, ...]:
+    """Find every release in a record, in order.
 
-
-def find_releases(
-    rate: float,
-    displacement: Array | None = None,
-    velocity: Array | None = None,
-    acceleration: Array | None = None,
-    valid: Mask | None = None,
-) -> tuple[Release, ...]:
-    """Return every release in a record, in order.
-
-    Channels have shape (n,), one clock of `rate` Hz and any unit; at least one is given. A release is the start of
-    an oscillation that lasts: a bump or the pull that displaces the mass does not ring. Times are on the
-    acceleration's clock where there is one. Raises NotIdentifiable when nothing in the record oscillates freely.
+    A release is the start of an oscillation that lasts: a bump or the pull that displaces the mass does not ring. Times
+    are on the acceleration's clock where there is one. Raises NotIdentifiable when nothing in the record oscillates freely.
     """
-    return tuple(release for _, release in _search(rate, displacement, velocity, acceleration, valid))
+    return tuple(release for _, release in _search(decay))
 
 
-def _search(
-    rate: float,
-    displacement: Array | None,
-    velocity: Array | None,
-    acceleration: Array | None,
-    valid: Mask | None,
-) -> list[tuple[float, Release]]:
-    channels = _channels((displacement, velocity, acceleration), valid)
+def _search(decay: FreeDecay) -> list[tuple[float, Release]]:
+    rate, channels = decay.rate, _channels(decay)
     lead = channels[0]
     frequency = dominant_frequency(lead.values, rate, lead.derivative)
     if frequency <= 0.0 or len(lead.values) * frequency / rate < 2.5:
@@ -155,16 +130,12 @@ def _with_beats_whole(
     return joined
 
 
-def _channels(given: tuple[Array | None, Array | None, Array | None], valid: Mask | None) -> list[_Channel]:
+def _channels(decay: FreeDecay) -> list[_Channel]:
     channels = []
-    for derivative, values in enumerate(given):
-        if values is None:
-            continue
-        known = np.isfinite(values) if valid is None else np.isfinite(values) & valid
-        clean = _without_spikes(bridge(np.asarray(values, dtype=float), known))
-        channels.append(_Channel(clean, derivative, floor_above_motion(clean, known).std, ~known))
-    if not channels:
-        raise ValueError("a release needs a displacement, a velocity or an acceleration")
+    for name, values in decay.channels.items():
+        known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
+        clean = _without_spikes(bridge(values, known))
+        channels.append(_Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
     return channels
 
 
