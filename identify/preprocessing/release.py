@@ -228,7 +228,7 @@ def _release(
     if not found:
         start = earliest if number else 0
         return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
-    onset = _most_trusted(found)[1]
+    onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))
     letting_go = _letting_go(rate, period, *onsets[0]) + (2.0 * onset.std if onset.std > 1.0 else 0.0)
@@ -285,13 +285,6 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
     return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
-
-
-def _most_trusted(found: list[tuple[_Channel, Onset]]) -> tuple[_Channel, Onset]:
-    """The acceleration's onset, unless another channel's is clearly the sharper one."""
-    last = found[-1]
-    sharpest = min(found, key=lambda item: item[1].std)
-    return last if last[1].std <= max(1.0, 3.0 * sharpest[1].std) else sharpest
 
 
 def _rest(
