@@ -23,6 +23,9 @@ AVERAGES = {
 }
 """First offset and weights of N: the mean of the higher channel over the difference (Numerov 1924; Stoermer)."""
 
+_SLOW_TERMS = 2
+"""Coefficients of the slow offset: it is a straight line."""
+
 DIFFERENCES = {2: (-1, np.array([1.0, -2.0, 1.0])), 1: (0, np.array([-1.0, 1.0]))}
 """First offset and weights of the difference of the lower channel."""
 
@@ -121,9 +124,7 @@ def difference_slope(order: int, rate: float, fraction: float, whole: int) -> St
     )
 
 
-def agree(
-    pair: Pair, lag: float, gain: float, *, free: bool = True, slow_terms: int = 2, steps: int = 4
-) -> Agreement:
+def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int = 4) -> Agreement:
     """Return the maximum-likelihood gain and lag (if `free`) and slow offset of a pair.
 
     Gauss-Newton on r' C^-1 r with C the covariance at the present lag and gain. The columns for gain and
@@ -131,6 +132,7 @@ def agree(
     out (errors in variables) and keeps the noise of the channels out of the regressors.
     """
     n = len(pair.low)
+    time = np.linspace(-1.0, 1.0, n)
     smooth_low = pair.low
     result: Agreement | None = None
     for _ in range(steps if free else 1):
@@ -138,7 +140,7 @@ def agree(
         h = difference(pair.order, pair.rate, fraction, whole)
         average = Stencil(*AVERAGES[pair.order])
         rows = _rows(n, h, average)
-        slow = _slow_columns(pair, average, rows, slow_terms)
+        slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
         columns = slow
         if free:
             slope = difference_slope(pair.order, pair.rate, fraction, whole)
@@ -158,8 +160,7 @@ def agree(
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
         chi_square = float(misfit @ score)
-        slow_part = change[2:] if free else change
-        offset = _slow_offset(n, slow_part)
+        offset = time[:, None] ** np.arange(_SLOW_TERMS) @ (change[2:] if free else change)
         result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, whiten(factor, misfit), chi_square,
                            len(rows) - columns.shape[1], rows)  # fmt: skip
         if free:
@@ -186,12 +187,3 @@ def _covariance(pair: Pair, average: Stencil, h: Stencil, gain: float, rows: ran
     band[: len(low)] += low
     band[: len(high)] += high
     return band
-
-
-def _slow_columns(pair: Pair, average: Stencil, rows: range, terms: int) -> Array:
-    time = np.linspace(-1.0, 1.0, len(pair.low))
-    return np.column_stack([average.apply(time**k, rows) for k in range(terms)])
-
-
-def _slow_offset(n: int, coefficients: Array) -> Array:
-    return np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(len(coefficients)) @ coefficients

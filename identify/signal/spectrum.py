@@ -44,7 +44,7 @@ def white_level(power: Array, most: float) -> float:
 
     From the median on, it is that of the powers below the limit over the share that those of noise alone have of it.
     """
-    floor = float(np.median(power)) / np.log(2.0)
+    floor = float(np.median(power) / np.log(2.0))
     below = 1.0 - most / float(np.expm1(most))
     for _ in range(5):
         quiet = power < most * floor
