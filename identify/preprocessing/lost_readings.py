@@ -43,7 +43,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
-    return lost | (lone_readings(readings, sigma) & ~lost)
+    return lost | _spikes(readings, sigma, lost)
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
@@ -71,14 +71,11 @@ def _amplified(length: int) -> float:
     return float(spread[0] / spread[1])
 
 
-def lone_readings(readings: Array, sigma: float = 0.0) -> Mask:
-    """Return single readings that the cubic through their four neighbours misses by far, beyond noise of `sigma`, (n,).
+def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
+    """Return single readings that the cubic through their four neighbours misses by far.
 
     The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.
     """
-    alone = np.zeros(len(readings), dtype=np.bool_)
-    if len(readings) < 5:
-        return alone
     off = np.zeros(len(readings))
     off[2:-2] = (
         readings[2:-2] - (-readings[:-4] + 4.0 * (readings[1:-3] + readings[3:-1]) - readings[4:]) / 6.0
@@ -86,9 +83,10 @@ def lone_readings(readings: Array, sigma: float = 0.0) -> Mask:
     size = np.abs(off)
     usual = float(np.quantile(size, _USUAL))
     limit = max(_SPIKE * sigma, _UNUSUAL * usual, _SPIKE_SHARE * float(np.ptp(readings)) / 2.0)
+    alone = np.zeros(len(readings), dtype=np.bool_)
     alone[1:-1] = (size[1:-1] > limit) & (size[1:-1] > 1.2 * np.maximum(size[:-2], size[2:]))
     alone[1:-1] &= (off[1:-1] * off[:-2] < 0.0) & (off[1:-1] * off[2:] < 0.0)
-    return alone
+    return alone & ~lost
 
 
 def find_spikes(samples: Array, valid: Mask, rate: float) -> Mask:

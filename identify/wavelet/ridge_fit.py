@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
-from identify.model.simulate import Response
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -24,7 +23,7 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.stick_slip import RunsAway, simulate_decay
+from identify.wavelet.stick_slip import Decay, RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
@@ -138,7 +137,7 @@ def parameters_of(fit: RidgeFit) -> tuple[Array, Array]:
     return stiffness, damping
 
 
-def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
+def exact_decay(observed: Observed, fit: RidgeFit) -> Decay:
     """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
@@ -150,7 +149,7 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
     )
 
 
-def channel_of(decay: Response, derivatives: int) -> Array:
+def channel_of(decay: Decay, derivatives: int) -> Array:
     """Return the displacement, velocity or acceleration of a computed decay."""
     return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
 
@@ -211,6 +210,7 @@ def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit
             bias_envelope=bias_envelope,
             bias_phase=bias_phase,
             settled=settled,
+            mixing=None,
         )
         if settled:
             break

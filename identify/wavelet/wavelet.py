@@ -99,7 +99,7 @@ def identify_wavelet(
     """Identify stiffness and damping from the envelope and the phase of one channel.
 
     A decay that has not been located is located and aligned first. Displacement is used where there is one, else
-    velocity, else acceleration. `max_order` (5 at most) is the highest
+    velocity, else acceleration. `max_order` is the highest
     order of damping that is tried, eq. (4), `least_order` the lowest; the backbone has at least the odd `stiffness_orders`,
     as far as it can. Raises NotIdentifiable when there is too little to identify.
     Standard errors come from the channel's noise (`noise_*`; measured on the window where unknown) carried
