@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
+from identify.comparison.multiple_shooting import delayed
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.fractional_delay import read_at_shift
 from identify.signal.smoothing import gain_of, slope, smooth, without_line
 
 _BAND = 5.0
@@ -51,7 +51,8 @@ def check_kinematics(
     low = "displacement" if "displacement" in window.readings else "velocity"
     noise_high = window.sigma["acceleration"] / abs(aligned.gain.value)
     high = window.readings["acceleration"] / aligned.gain.value - motion.acceleration
-    left = window.readings[low] - read_at_shift(getattr(motion, low), -aligned.lag.value * window.rate)[0]
+    read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
+    left = window.readings[low] - read[0 if low == "displacement" else 1]
     inside = motion.valid & window.used["acceleration"] & window.used[low] & ~_near_reversals(motion.velocity)
     high, left = without_line(high, inside), without_line(left, inside)
     total = float(np.sum((high[inside] / noise_high) ** 2) + np.sum((left[inside] / window.sigma[low]) ** 2))

@@ -19,7 +19,6 @@ from identify.model.measured_path import states_along
 from identify.model.simulate import Response
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.fractional_delay import read_at_shift
 
 _STEP = 1e-4
 
@@ -242,10 +241,31 @@ def _readings(
 ) -> dict[str, Array]:
     """Return what the sensors show of a run, before any fault of theirs: lag, gain and offsets applied."""
     seen: dict[str, Array] = {}
+    u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, window.rate)
     for channel in window.channels:
         if channel == "acceleration":
-            shown = (gain if window.paired else 1.0) * run.acceleration
+            seen[channel] = (gain if window.paired else 1.0) * run.acceleration
         else:
-            shown = read_at_shift(getattr(run, channel), -lag * window.rate)[0]
-        seen[channel] = shown + values.get(f"{channel}_offset", 0.0)
+            seen[channel] = u if channel == "displacement" else v
+        seen[channel] = seen[channel] + values.get(f"{channel}_offset", 0.0)
     return seen
+
+
+def delayed(u: Array, v: Array, a: Array, lag: float, rate: float) -> tuple[Array, Array]:
+    """Return displacement and velocity read `lag` s before each sample, by the quintic Hermite polynomial."""
+    if lag == 0.0:
+        return u, v
+    n = len(u)
+    place = np.arange(n) - lag * rate
+    i = np.clip(np.floor(place).astype(int), 0, n - 2)
+    x, h = place - i, 1.0 / rate
+    d1, d2 = v[i] * h, 0.5 * a[i] * h * h
+    e0 = u[i + 1] - u[i] - d1 - d2
+    e1 = v[i + 1] * h - d1 - 2.0 * d2
+    e2 = a[i + 1] * h * h - 2.0 * d2
+    c3 = 10.0 * e0 - 4.0 * e1 + 0.5 * e2
+    c4 = -15.0 * e0 + 7.0 * e1 - e2
+    c5 = 6.0 * e0 - 3.0 * e1 + 0.5 * e2
+    moved = u[i] + x * (d1 + x * (d2 + x * (c3 + x * (c4 + x * c5))))
+    slope = (d1 + x * (2.0 * d2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h
+    return moved, slope
