@@ -7,7 +7,7 @@ import numpy as np
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align
-from identify.preprocessing.release import Release, find_release
+from identify.preprocessing.release import Release, release_of
 from mocks.generate import Sample, draw
 
 TITLE = "Release, alignment and motion"
@@ -43,7 +43,9 @@ def _sample(seed: int) -> Sample:
 
 
 def _release_of(sample: Sample) -> Release:
-    return find_release(sample.rate, displacement=sample.displacement, acceleration=sample.acceleration)
+    return release_of(
+        FreeDecay(sample.rate, displacement=sample.displacement, acceleration=sample.acceleration)
+    )
 
 
 def _decay(
@@ -114,7 +116,7 @@ def _release_errors(names: tuple[str, ...], samples: list[Sample]) -> np.ndarray
     """Return how far outside the hand's time the release is found, in samples, (samples,)."""
     outside = []
     for sample in samples:
-        release = find_release(sample.rate, **{name: getattr(sample, name) for name in names})
+        release = release_of(FreeDecay(sample.rate, **{name: getattr(sample, name) for name in names}))
         begun = sample.truth["released_at_s"] + (
             sample.truth["displacement_late_s"] if names == ("displacement",) else 0.0
         )

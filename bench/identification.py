@@ -15,7 +15,7 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import find_release
+from identify.preprocessing.release import release_of
 from identify.restoring_force.restoring_force import (
     identify_restoring_force,
 )
@@ -74,7 +74,7 @@ def measure(job: tuple[int, int]) -> Measured:
 
 
 def _decay(rate: float, displacement: np.ndarray, acceleration: np.ndarray) -> FreeDecay:
-    release = find_release(rate, displacement, None, acceleration)
+    release = release_of(FreeDecay(rate, displacement, acceleration))
     return estimate_noise(
         FreeDecay(
             rate,

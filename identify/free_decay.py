@@ -10,6 +10,9 @@ from identify.estimate import Estimate
 from identify.formatting import scaled
 from identify.summary import Summarised, Summary
 
+CHANNELS = ("displacement", "velocity", "acceleration")
+"""The channels of a motion, by the number of derivatives."""
+
 _STILL_DRIVEN = 0.05
 
 
@@ -59,7 +62,7 @@ class FreeDecay(Summarised):
         if self.valid is not None:
             object.__setattr__(self, "valid", frozen_mask(self.valid))
             lengths.add(len(self.valid))
-        if self.displacement is None and self.velocity is None and self.acceleration is None:
+        if not self.channels:
             raise ValueError("a free decay needs a displacement, a velocity or an acceleration")
         if len(lengths) != 1:
             raise ValueError(f"channels of different lengths: {sorted(lengths)}")
@@ -67,10 +70,20 @@ class FreeDecay(Summarised):
             raise ValueError(f"the rate must be positive, not {self.rate} Hz")
 
     def __len__(self) -> int:
-        for values in (self.displacement, self.velocity, self.acceleration):
-            if values is not None:
-                return len(values)
-        return 0
+        return len(next(iter(self.channels.values())))
+
+    @property
+    def channels(self) -> dict[str, Array]:
+        """The readings of the channels that are present, shape (n,) each, the lowest derivative first."""
+        return {name: values for name in CHANNELS if (values := getattr(self, name)) is not None}
+
+    @property
+    def known(self) -> Mask:
+        """Which samples were recorded and are numbers in every channel, shape (n,)."""
+        known = np.ones(len(self), dtype=np.bool_) if self.valid is None else self.valid.copy()
+        for values in self.channels.values():
+            known &= np.isfinite(values)
+        return known
 
     @property
     def start(self) -> int:
@@ -101,13 +114,11 @@ class FreeDecay(Summarised):
         sentences = (f"{size}; {where}; {lost} samples lost.",)
         units = {"displacement": self.unit, "velocity": f"{self.unit}/s", "acceleration": f"{self.unit}/s^2"}
         rows = []
-        for name, unit in units.items():
-            values, noise = getattr(self, name), getattr(self, f"noise_{name}")
-            if values is not None:
-                sizes = (np.nanmin(values), np.nanmax(values), noise)
-                rows.append(
-                    (name, *("unknown" if size is None else scaled(float(size), unit) for size in sizes))
-                )
+        for name, values in self.channels.items():
+            sizes = (np.nanmin(values), np.nanmax(values), getattr(self, f"noise_{name}"))
+            rows.append(
+                (name, *("unknown" if size is None else scaled(float(size), units[name]) for size in sizes))
+            )
         return Summary("Free decay", sentences, ("channel", "lowest", "highest", "noise"), rows)
 
     def with_(self, **changes: object) -> Self:

@@ -8,7 +8,7 @@ from identify.arrays import Array, Mask, frozen
 from identify.comparison.multiple_shooting import delayed
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.smoothing import slope, smooth
+from identify.signal.smoothing import gain_of, slope, smooth, without_line
 
 _BAND = 5.0
 _NEAR_REVERSAL = 4
@@ -54,7 +54,7 @@ def check_kinematics(
     read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
     left = window.readings[low] - read[0 if low == "displacement" else 1]
     inside = motion.valid & window.used["acceleration"] & window.used[low] & ~_near_reversals(motion.velocity)
-    high, left = _without_slow(high, inside), _without_slow(left, inside)
+    high, left = without_line(high, inside), without_line(left, inside)
     total = float(np.sum((high[inside] / noise_high) ** 2) + np.sum((left[inside] / window.sigma[low]) ** 2))
     degrees = max(int(inside.sum()) - 6, 1)
     corner = _BAND * frequency / (2.0 * np.pi * window.rate)
@@ -76,12 +76,6 @@ def _near_reversals(velocity: Array) -> Mask:
     return np.convolve(turns, np.ones(2 * _NEAR_REVERSAL + 1), "same") > 0.5
 
 
-def _without_slow(values: Array, inside: Mask) -> Array:
-    clock = np.linspace(-1.0, 1.0, len(values))
-    line = np.polynomial.polynomial.polyfit(clock[inside], values[inside], 1)
-    return np.asarray(values - np.polynomial.polynomial.polyval(clock, line))
-
-
 def _derivative(values: Array, rate: float, order: int) -> Array:
     for _ in range(order):
         values = slope(values, rate)
@@ -91,6 +85,6 @@ def _derivative(values: Array, rate: float, order: int) -> Array:
 def _expected(noise_high: float, noise_low: float, corner: float, rate: float, order: int) -> float:
     """Rms that white noise of both channels leaves below the corner."""
     fraction = (np.arange(1024) + 0.5) / 2048
-    passed = 1.0 / (1.0 + (np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.49))) ** 8)
+    passed = gain_of(corner, fraction)
     omega = 2.0 * np.pi * fraction * rate
     return float(np.sqrt(np.mean(passed**2 * (noise_high**2 + omega ** (2 * order) * noise_low**2))))

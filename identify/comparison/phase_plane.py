@@ -6,7 +6,7 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 from identify.comparison.multiple_shooting import MultipleShooting
-from identify.comparison.residual_force import estimate_extra_force
+from identify.comparison.residual_force import estimate_extra_force, phase_bins
 
 _KNOWN = 8.0
 
@@ -69,16 +69,9 @@ class PhasePlane:
 
 def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
     """Return the force that the tracked model lacks, as one constant in each bin of the phase plane."""
-    u, v = shooting.displacement, shooting.velocity
-    across = _odd(len(u))
+    across = _odd(len(shooting.displacement))
     along = across - 1
-    reach_u, reach_v = (float(np.max(np.abs(x))) * (1.0 + 1e-9) for x in (u, v))
-    edges_u = np.linspace(-1.0, 1.0, across + 1) * reach_u
-    edges_v = np.linspace(-1.0, 1.0, along + 1) * reach_v
-    column = np.clip(np.searchsorted(edges_u, u, side="right") - 1, 0, across - 1)
-    row = np.clip(np.searchsorted(edges_v, v, side="right") - 1, 0, along - 1)
-    code, member = np.unique(row * across + column, return_inverse=True)
-    patterns = (member[:, None] == np.arange(len(code))).astype(float)
+    edges_u, edges_v, code, patterns = phase_bins(shooting, across)
     found = estimate_extra_force(shooting, patterns)
     known = found.std < _KNOWN * np.median(found.std)
     bins = np.column_stack([code // across, code % across])[known]

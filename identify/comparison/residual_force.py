@@ -56,6 +56,20 @@ def estimate_extra_force(
     return ResidualForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
 
 
+def phase_bins(shooting: MultipleShooting, across: int) -> tuple[Array, Array, Array, Array]:
+    """Divide the phase plane into `across` bins of displacement, times one fewer of velocity.
+
+    Returns the edges of both, the visited bins as row times `across` plus column, (bins,), and a force of one in each of
+    them, (n, bins).
+    """
+    edges, place = [], []
+    for values, count in ((shooting.displacement, across), (shooting.velocity, across - 1)):
+        edges.append(np.linspace(-1.0, 1.0, count + 1) * float(np.max(np.abs(values))) * (1.0 + 1e-9))
+        place.append(np.clip(np.searchsorted(edges[-1], values, side="right") - 1, 0, count - 1))
+    code, member = np.unique(place[1] * across + place[0], return_inverse=True)
+    return edges[0], edges[1], code, (member[:, None] == np.arange(len(code))).astype(float)
+
+
 def respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
     """Return the whitened change of the readings (rows, patterns) under extra forces (n, patterns), per m/s^2."""
     out = np.empty((len(shooting.misfit), patterns.shape[1]))

@@ -6,7 +6,8 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.comparison.multiple_shooting import MultipleShooting
-from identify.preprocessing.fit_window import CHANNELS, FitWindow
+from identify.free_decay import CHANNELS
+from identify.preprocessing.fit_window import FitWindow
 
 _APART = 0.3
 _HIGH = 6.5

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array
 from identify.comparison.multiple_shooting import MultipleShooting
-from identify.comparison.residual_force import estimate_extra_force
+from identify.comparison.residual_force import estimate_extra_force, phase_bins
 
 _ORDERS = (1, 2, 3)
 _BINS = 7
@@ -34,7 +33,7 @@ def find_zero_drift(shooting: MultipleShooting) -> ZeroDrift | None:
     shapes = np.column_stack([np.polynomial.legendre.legval(clock, np.eye(n + 1)[n]) for n in _ORDERS])
     change = {c: np.zeros(shapes.shape) for c in window.channels}
     change["acceleration"] = shapes * window.sigma["acceleration"]
-    patterns = _coarse_bins(shooting)
+    patterns = phase_bins(shooting, _BINS)[-1]
     found = estimate_extra_force(shooting, patterns, shooting.whitened(change))
     count = patterns.shape[1]
     size, covariance = found.size[count:], found.covariance[count:, count:]
@@ -42,12 +41,3 @@ def find_zero_drift(shooting: MultipleShooting) -> ZeroDrift | None:
     # Wilson and Hilferty (1931): chi-square of three degrees of freedom as a normal score.
     normal = ((score / 3.0) ** (1.0 / 3.0) - (1.0 - 2.0 / 27.0)) / np.sqrt(2.0 / 27.0)
     return ZeroDrift(float(np.ptp(shapes @ size)) * window.sigma["acceleration"], float(normal))
-
-
-def _coarse_bins(shooting: MultipleShooting) -> Array:
-    u = shooting.displacement / shooting.sizes[0]
-    v = shooting.velocity / max(float(np.max(np.abs(shooting.velocity))), 1e-300)
-    column = np.clip(((u + 1.0) / 2.0 * _BINS).astype(int), 0, _BINS - 1)
-    row = np.clip(((v + 1.0) / 2.0 * (_BINS - 1)).astype(int), 0, _BINS - 2)
-    code, member = np.unique(row * _BINS + column, return_inverse=True)
-    return np.asarray(member[:, None] == np.arange(len(code)), dtype=np.float64)

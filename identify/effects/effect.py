@@ -4,8 +4,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import pi, sqrt
-from typing import Literal
+from math import isfinite, pi, sqrt
+from typing import ClassVar, Literal
 
 from identify.effects.compiled import PARAMETERS
 
@@ -78,6 +78,7 @@ class Effect(ABC):
     have been seen, where nothing is missing.
     """
 
+    kind: ClassVar[Kind]
     name: str
     title: str
     equation: str
@@ -99,11 +100,6 @@ class Effect(ABC):
 
     @property
     @abstractmethod
-    def kind(self) -> Kind:
-        """physics or sensor, as documents say it."""
-
-    @property
-    @abstractmethod
     def inner(self) -> tuple[str, ...]:
         """Parameters that the readings do not follow in proportion; they are held while a fit begins."""
 
@@ -113,9 +109,9 @@ class Effect(ABC):
         """The parameters that `starting_values` gives; the others begin at what a regression finds."""
 
     @property
-    @abstractmethod
     def one_sided(self) -> bool:
         """Whether the readings can be changed in one direction only, so that chance gains nothing in half its draws."""
+        return isfinite(self.strength.low)
 
     @abstractmethod
     def starting_values(self, scales: Scales, channel: str) -> Starts:

@@ -11,7 +11,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS, STATES, address_of_force, address_of_rates
 from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
-from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
+from identify.effects.effect import Effect, Parameter, Scales, Starts
 
 Numbers = tuple[float, ...]
 """The parameters of an effect as its compiled functions take them."""
@@ -59,6 +59,7 @@ class ForceEffect(Effect):
     Other states are displacements, their second speeds, of any size.
     """
 
+    kind = "physics"
     force: Any = None
     friction: Any = None
     rates: Any = None
@@ -86,11 +87,6 @@ class ForceEffect(Effect):
             )
 
     @property
-    def kind(self) -> Kind:
-        """physics."""
-        return "physics"
-
-    @property
     def inner(self) -> tuple[str, ...]:
         """All parameters but the strength."""
         return tuple(p.name for p in self.parameters[1:])
@@ -99,11 +95,6 @@ class ForceEffect(Effect):
     def started(self) -> tuple[Parameter, ...]:
         """All parameters but the strength."""
         return self.parameters[1:]
-
-    @property
-    def one_sided(self) -> bool:
-        """Whether the strength has a lower bound."""
-        return isfinite(self.strength.low)
 
     def starting_values(self, scales: Scales, channel: str = "") -> Starts:
         """Return starting values of the inner parameters that no variant holds."""

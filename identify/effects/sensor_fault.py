@@ -2,11 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Literal
 
 from identify.arrays import Array
-from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
+from identify.effects.effect import Effect, Parameter, Scales, Starts
 
 Allowance = Literal["", "lag", "gain", "lost readings"]
 """What every fit allows for, whatever its model."""
@@ -24,6 +23,7 @@ class SensorFault(Effect):
     fit allows for is no suspect either: `allowed_as` says as what, and it is judged by what the fit allowed for.
     """
 
+    kind = "sensor"
     observe: Callable[[Array, Array, Array], Array] = field(default=lambda time, reading, p: reading)
     starts: Callable[[Scales, str], Starts] = field(default=lambda scales, channel: ())
     held_at_first: tuple[str, ...] = ()
@@ -31,11 +31,6 @@ class SensorFault(Effect):
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
     needs_other_channel: bool = False
     allowed_as: Allowance = ""
-
-    @property
-    def kind(self) -> Kind:
-        """sensor."""
-        return "sensor"
 
     @property
     def corrected_in_every_fit(self) -> bool:
@@ -51,11 +46,6 @@ class SensorFault(Effect):
     def started(self) -> tuple[Parameter, ...]:
         """All parameters."""
         return self.parameters
-
-    @property
-    def one_sided(self) -> bool:
-        """Whether the first parameter has a lower bound."""
-        return isfinite(self.strength.low)
 
     def starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return starting values of all parameters; none where the channel, or another one that it takes, is absent."""

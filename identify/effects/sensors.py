@@ -4,10 +4,10 @@ from math import atan, inf, pi
 
 import numpy as np
 
+from identify.algebra import recursion
 from identify.arrays import Array
 from identify.effects.effect import Parameter, Scales, near_harmonic
 from identify.effects.sensor_fault import SensorFault
-from identify.recursion import recursion
 
 _BOTH: tuple[dict[str, float | str], ...] = (
     {"channel": "displacement"},

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from identify.algebra import bounded_least_squares
 from identify.arrays import Array
 from identify.effects.effect import Scales, Starts
 from identify.model.measured_path import force_along
@@ -101,9 +102,7 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
     triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
     found = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=-1)[0]
     if np.any((found < low * size) | (found > high * size)):
-        from scipy.optimize import lsq_linear  # a tenth of a second to load, and seldom needed
-
-        found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x
+        found = bounded_least_squares(triangle[:, :-1], triangle[:, -1], low * size, high * size)
     found = found / size
     return np.asarray(found[: len(model.forces)])
 

@@ -15,7 +15,8 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
-from identify.preprocessing.fit_window import CHANNELS, FitWindow
+from identify.free_decay import CHANNELS
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise_colour import (
     COLOURED,
     SHAPES,

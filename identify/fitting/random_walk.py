@@ -10,7 +10,6 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -92,7 +91,7 @@ def explained_by(products: Array, along: Array) -> tuple[float, float]:
     `products` (columns, columns) are those of the columns with one another, `along` (columns,) those with the misfit.
     """
     factor = np.linalg.cholesky(np.eye(len(along)) + products)
-    followed = solve_triangular(factor, along, lower=True, check_finite=False)
+    followed = np.linalg.solve(factor, along)
     explained = float(followed @ followed)
     return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
 

@@ -9,7 +9,6 @@ from identify.preprocessing.alignment import ONE_CHANNEL, Alignment, align, corr
 from identify.preprocessing.lost_readings import find_lost_readings, find_spikes
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release, release_of
-from identify.preprocessing.usable import valid_samples
 from identify.summary import Summarised, Summary
 
 MOST_LOST = 0.2
@@ -54,7 +53,7 @@ def locate_and_align(decay: FreeDecay) -> AlignedDecay:
     recorded = located.with_(**{f"noise_{name}": value for name, value in std.items()})
     lost = {name: find_lost_readings(getattr(recorded, name), value) for name, value in std.items()}
     lost = {name: mask for name, mask in lost.items() if mask.mean() < MOST_LOST}
-    valid = valid_samples(recorded)
+    valid = recorded.known
     for mask in lost.values():
         valid &= ~mask
     if recorded.displacement is not None:

@@ -10,7 +10,7 @@ from identify.estimate import Estimate
 from identify.formatting import quantity
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import average_blocks
-from identify.preprocessing.noise import noise_of
+from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
@@ -72,8 +72,7 @@ def align(decay: FreeDecay) -> Alignment:
     """
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
         raise NotIdentifiable(ONE_CHANNEL)
-    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
-    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.start :], decay.rate)
+    frequency = dominant_frequency(bridge(decay.acceleration, decay.known)[decay.start :], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
@@ -131,16 +130,11 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
         raise NotIdentifiable(ONE_CHANNEL)
-    low_name, order = ("displacement", 2) if decay.displacement is not None else ("velocity", 1)
-    low = decay.displacement if decay.displacement is not None else decay.velocity
-    assert low is not None
+    (low_name, low), *_ = decay.channels.items()
+    order = 2 if low_name == "displacement" else 1
     high = decay.acceleration
-    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
-    floors = noise_of(decay)
-    noise_low = getattr(decay, f"noise_{low_name}") or floors[low_name].std
-    noise_high = decay.noise_acceleration or floors["acceleration"].std
-    noise_low = max(noise_low, 1e-9 * float(np.ptp(low)), 1e-300)
-    noise_high = max(noise_high, 1e-9 * float(np.ptp(high)), 1e-300)
+    valid, levels = decay.known, noise_levels(decay)
+    noise_low, noise_high = levels[low_name], levels["acceleration"]
     variance_low = np.full(len(decay), noise_low**2)
     jumps = jump_variance(bridge(high, valid), noise_high, decay.rate)
     sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2

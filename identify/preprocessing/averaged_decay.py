@@ -15,7 +15,6 @@ from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.decimation import average_blocks, flat_frequency
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
-from identify.preprocessing.usable import CHANNELS, valid_samples
 from identify.signal.fractional_delay import bridge
 
 BLOCKS_A_CYCLE = 64
@@ -59,7 +58,7 @@ def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
 
 
 def _block(record: FreeDecay) -> int:
-    reading = next(r for c in CHANNELS if (r := getattr(record, c)) is not None)[record.start :]
+    reading = next(iter(record.channels.values()))[record.start :]
     most = len(reading) // (FEW // 2)
     frequency = flat_frequency(reading, record.rate) if len(reading) > FEW else 0.0
     return min(int(record.rate / frequency / BLOCKS_A_CYCLE), most) if frequency > 0.0 else 1
@@ -67,11 +66,10 @@ def _block(record: FreeDecay) -> int:
 
 def _average(decay: FreeDecay, lost: dict[str, Mask], block: int) -> tuple[FreeDecay, float]:
     """Return the averaged decay, lost readings bridged, and the time of its first sample, s."""
-    there = valid_samples(decay)
+    there = decay.known
     whole = {
         name: bridge(values, there & ~lost.get(name, np.zeros(len(decay), dtype=np.bool_)))
-        for name in CHANNELS
-        if (values := getattr(decay, name)) is not None
+        for name, values in decay.channels.items()
     }
     found, begins = average_blocks(decay.with_(**whole, valid=None), block)
     held = _share(there, decay.start % block, block, len(found)) > _HELD

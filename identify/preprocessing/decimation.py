@@ -4,8 +4,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.free_decay import FreeDecay
-from identify.preprocessing.noise import noise_of
-from identify.preprocessing.usable import CHANNELS, valid_samples
+from identify.preprocessing.noise import noise_levels
 from identify.signal.oscillation import dominant_frequency
 
 ENOUGH = 256
@@ -17,7 +16,7 @@ def block_averaged(decay: FreeDecay, enough: int = ENOUGH) -> tuple[FreeDecay, f
 
     Unchanged, with 0 s, when it is slow enough already.
     """
-    first = next(getattr(decay, name) for name in CHANNELS if getattr(decay, name) is not None)
+    first = next(iter(decay.channels.values()))
     frequency = flat_frequency(first[decay.start :], decay.rate)
     return average_blocks(decay, int(decay.rate / frequency / enough) if frequency > 0 else 1)
 
@@ -41,13 +40,11 @@ def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:
         "rate_std": None if decay.rate_std is None else decay.rate_std / block,
         "release": (decay.start - skipped) // block,
         "rest": (-(-max(decay.rest[0] - skipped, 0) // block), max(decay.rest[1] - skipped, 0) // block),
-        "valid": np.all(blocks(valid_samples(decay)), axis=1),
+        "valid": np.all(blocks(decay.known), axis=1),
     }
-    for name in (*CHANNELS, "force"):
-        if getattr(decay, name) is not None:
-            changes[name] = blocks(getattr(decay, name)).mean(axis=1)
-    for name, floor in noise_of(decay).items():
-        changes[f"noise_{name}"] = (getattr(decay, f"noise_{name}") or floor.std) / np.sqrt(block)
+    forces = {} if decay.force is None else {"force": decay.force}
+    changes |= {name: blocks(values).mean(axis=1) for name, values in (decay.channels | forces).items()}
+    changes |= {f"noise_{name}": level / np.sqrt(block) for name, level in noise_levels(decay).items()}
     return decay.with_(**changes), (skipped + 0.5 * (block - 1)) / decay.rate
 
 

@@ -7,10 +7,8 @@ from typing import Self
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.free_decay import CHANNELS
 from identify.signal.coloured_noise import Colour, Whitening
-
-CHANNELS = ("displacement", "velocity", "acceleration")
-
 
 _NORMAL = (-1.534, -0.887, -0.489, -0.157, 0.157, 0.489, 0.887, 1.534)
 """Normal quantiles in the middle of eight equal shares."""

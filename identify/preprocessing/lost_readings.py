@@ -7,6 +7,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen
 from identify.signal.levels import stale, steps_between
+from identify.signal.running import runs_of
 
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
 _STENCIL_SPREAD = np.sqrt(70.0) / 6.0
@@ -30,11 +31,9 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
     """
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
-    suspicious = stale(readings)
     start = 2
     usual: dict[int, float] = {}
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], suspicious.astype(np.int8), [0]])))
-    for first, stop in edges.reshape(-1, 2):
+    for first, stop in runs_of(stale(readings)):
         if first < start or stop + 2 > n or stop - first > _LONGEST:
             continue
         length = stop - first

@@ -9,13 +9,13 @@ from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import pair_of, with_reversals
-from identify.preprocessing.noise import noise_of
+from identify.preprocessing.noise import noise_levels
 from identify.signal.fractional_delay import bridge
 from identify.signal.integration import integrate, slow_part
 from identify.signal.kinematics import agree, cut
 from identify.signal.oscillation import dominant_frequency
 from identify.signal.reversals import reversal_excess
-from identify.signal.smoothing import slope, smooth, smooth_to_noise
+from identify.signal.smoothing import gain_of, slope, smooth, smooth_to_noise
 
 SHORTEST = 16
 
@@ -81,8 +81,7 @@ def reconstruct(decay: FreeDecay) -> Motion:
         raise NotIdentifiable(
             f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."
         )
-    known = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
-    known = known[start:]
+    known = decay.known[start:]
     if decay.acceleration is not None and (decay.displacement is not None or decay.velocity is not None):
         source = f"{'displacement' if decay.displacement is not None else 'velocity'} and acceleration"
         parts = _from_pair(decay, start)
@@ -140,7 +139,7 @@ def _posterior_noise(order: int, rate: float, noise_low: float, noise_high: floa
 def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     assert decay.displacement is not None
     values = bridge(decay.displacement[start:], known)
-    noise = decay.noise_displacement or noise_of(decay)["displacement"].std
+    noise = noise_levels(decay)["displacement"]
     frequency = _frequency(values, decay.rate)
     loud = _is_loud(values[known], noise, frequency, decay.rate)
     smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known, loud=loud)
@@ -167,7 +166,7 @@ def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool
 def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     assert decay.velocity is not None
     values = bridge(decay.velocity[start:], known)
-    noise = decay.noise_velocity or noise_of(decay)["velocity"].std
+    noise = noise_levels(decay)["velocity"]
     frequency = _frequency(values, decay.rate)
     smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
     raw = integrate(smoothed, decay.rate)
@@ -187,7 +186,7 @@ def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
 def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     assert decay.acceleration is not None
     values = bridge(decay.acceleration[start:], known)
-    noise = decay.noise_acceleration or noise_of(decay)["acceleration"].std
+    noise = noise_levels(decay)["acceleration"]
     frequency = _frequency(values, decay.rate)
     centred = values - values.mean()
     excess = np.zeros(len(values))
@@ -220,5 +219,7 @@ def _frequency(values: Array, rate: float) -> float:
 def _passed(noise: float, corner: float, rate: float, derivatives: int) -> float:
     """Noise left after smoothing with `corner` and differentiating so many times."""
     fraction = (np.arange(1024) + 0.5) / 2048
-    gain = 1.0 / (1.0 + (np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.5))) ** 8)
-    return float(noise * np.sqrt(np.mean((gain * (2.0 * np.pi * fraction * rate) ** derivatives) ** 2)))
+    return float(
+        noise
+        * np.sqrt(np.mean((gain_of(corner, fraction) * (2.0 * np.pi * fraction * rate) ** derivatives) ** 2))
+    )

@@ -8,6 +8,8 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.free_decay import FreeDecay
 from identify.signal.levels import SAME, steps_between
+from identify.signal.smoothing import without_line
+from identify.signal.spectrum import white_level
 
 DIFFERENCE_ORDER = 6
 SHORTEST_REST = 24
@@ -30,6 +32,16 @@ class Noise:
     source: str
 
 
+def noise_levels(decay: FreeDecay) -> dict[str, float]:
+    """Return the noise of each channel: as the decay states it, or read off the record; never quite zero."""
+    stated = {name: getattr(decay, f"noise_{name}") for name in decay.channels}
+    measured = {} if all(stated.values()) else noise_of(decay)
+    return {
+        name: max(stated[name] or measured[name].std, 1e-9 * float(np.nanstd(values)), 1e-300)
+        for name, values in decay.channels.items()
+    }
+
+
 def estimate_noise(decay: FreeDecay) -> FreeDecay:
     """Return the decay with `noise_*` filled for every channel it has; see `noise_of` for how."""
     return decay.with_(**{f"noise_{name}": noise.std for name, noise in noise_of(decay).items()})
@@ -44,10 +56,7 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
     """
     valid = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
     result: dict[str, Noise] = {}
-    for name in ("displacement", "velocity", "acceleration"):
-        values = getattr(decay, name)
-        if values is None:
-            continue
+    for name, values in decay.channels.items():
         first, last = decay.rest
         rest = values[first:last][valid[first:last]]
         if len(rest) >= SHORTEST_REST:
@@ -75,16 +84,10 @@ def with_steps(at_rest: Noise, step: float) -> Noise:
 def floor_at_rest(rest: Array) -> Noise:
     """Return the floor of the spectrum of a channel at rest: drift and lines are left out of it."""
     n = len(rest)
-    time = np.linspace(-1.0, 1.0, n)
-    residual = rest - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, rest, 1))
     taper = np.sin(np.pi * (np.arange(n) + 0.5) / n)
-    power = np.abs(np.fft.rfft(residual * taper)) ** 2 / np.sum(taper**2)
+    power = np.abs(np.fft.rfft(without_line(rest) * taper)) ** 2 / np.sum(taper**2)
     power = power[3 : len(power) - 1] if len(power) > 12 else power[1:]
-    floor = float(np.median(power)) / np.log(2.0)
-    for _ in range(5):
-        quiet = power < 6.0 * floor
-        floor = float(np.mean(power[quiet])) / 0.9851 if quiet.any() else floor
-    std = float(np.sqrt(floor))
+    std = float(np.sqrt(white_level(power, 6.0)))
     return Noise(std, float(std / np.sqrt(2.3 * max(len(power), 1))), "rest before the release")
 
 

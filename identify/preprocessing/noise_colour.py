@@ -13,6 +13,7 @@ import numpy as np
 from identify.arrays import Array, frozen
 from identify.signal.coloured_noise import Component, autocovariance, spectrum
 from identify.signal.levels import steps_between
+from identify.signal.smoothing import without_line
 
 SHORTEST = 32
 _LONGEST = 384
@@ -189,15 +190,8 @@ def _likelihood(values: Array) -> Array:
 
 
 def _white(values: Array) -> float:
-    left = values - _trend(values)
+    left = without_line(values)
     return float(-0.5 * (len(left) - 2) * np.log(max(float(left @ left) / (len(left) - 2), 1e-300)))
-
-
-def _trend(values: Array) -> Array:
-    time = np.linspace(-1.0, 1.0, len(values))
-    return np.asarray(
-        np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1))
-    )
 
 
 def _penalty(values: Array) -> float:
@@ -214,7 +208,7 @@ def _without_lines(
     background = spectrum(components, frequency, rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
     places: list[int] = []
-    left, limit = values - _trend(values), _penalty(values)
+    left, limit = without_line(values), _penalty(values)
     columns = [np.ones(n), clock]
     found: Array = np.zeros(2)
     for _ in range(_MOST_LINES):

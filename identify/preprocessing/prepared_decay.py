@@ -8,12 +8,12 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.formatting import scaled
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
-from identify.preprocessing.fit_window import CHANNELS, FitWindow
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.motion import ABOVE_NOISE, Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
@@ -21,7 +21,6 @@ from identify.preprocessing.pre_release import pre_release_motion
 from identify.preprocessing.record_use import RecordUse, record_use
 from identify.preprocessing.release import Release
 from identify.preprocessing.sampling import too_coarse
-from identify.preprocessing.usable import valid_samples
 from identify.signal.fractional_delay import bridge
 from identify.summary import Summarised, Summary
 
@@ -173,16 +172,14 @@ def prepare(
 
 def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
     """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
-    derivative, reading = next(
-        (i, r) for i, c in enumerate(CHANNELS) if (r := getattr(record, c)) is not None
-    )
-    known = valid_samples(record)
-    return NotIdentifiable(too_coarse(bridge(reading, known), record.rate, derivative) or reason)
+    channel, reading = next(iter(record.channels.items()))
+    coarse = too_coarse(bridge(reading, record.known), record.rate, CHANNELS.index(channel))
+    return NotIdentifiable(coarse or reason)
 
 
 def _no_spring(record: FreeDecay) -> str:
     """Return why no stiffness is seen: against a second channel a sign may be wrong; one channel alone has but its noise."""
-    if sum(c is not None for c in (record.displacement, record.velocity, record.acceleration)) > 1:
+    if len(record.channels) > 1:
         return "The motion shows no restoring force: is the displacement's sign reversed?"
     return (
         "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "
@@ -214,7 +211,7 @@ def _too_few(cycles: float, frequency: float, use: RecordUse, fewest: float) -> 
 
 def _most_active(decay: FreeDecay, release: Release) -> Release:
     """Return the stretch of the largest motion in a driven record, which has no decay to be followed from its start."""
-    reading = next(r for c in CHANNELS if (r := getattr(decay, c)) is not None)
+    reading = next(iter(decay.channels.values()))
     if len(reading) <= FEW:
         return release
     power = np.cumsum(np.square(reading - np.mean(reading)))
@@ -240,7 +237,7 @@ def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
     part = slice(first, last)
     return Rest(
         decay.time[first:last] - release.time_s,
-        {c: np.asarray(getattr(decay, c))[part] for c in CHANNELS if getattr(decay, c) is not None},
+        {channel: readings[part] for channel, readings in decay.channels.items()},
     )
 
 
@@ -292,21 +289,16 @@ def _window(
     gain_uncertainty: float,
 ) -> FitWindow:
     start, length = release.settle, len(motion.displacement)
-    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
     lag = alignment.lag.value if alignment is not None else 0.0
     reach = _LAG_REACH * 2.0 * np.pi / frequency
     lead = int(np.ceil((abs(lag) + 0.2 * reach) * decay.rate)) + 1 if alignment is not None else 1
     part = slice(start, start + length)
-    readings, used = {}, {}
-    for channel in CHANNELS:
-        values = getattr(decay, channel)
-        if values is not None:
-            readings[channel] = values[part]
-            mask = valid[part].copy()
-            mask[:lead] = False
-            if channel in lost:
-                mask &= ~lost[channel]
-            used[channel] = mask
+    readings = {channel: values[part] for channel, values in decay.channels.items()}
+    used = {}
+    for channel in readings:
+        used[channel] = decay.known[part] & (np.arange(length) >= lead)
+        if channel in lost:
+            used[channel] &= ~lost[channel]
     return FitWindow(
         rate=decay.rate,
         time=(start - release.time_s * decay.rate) / decay.rate,

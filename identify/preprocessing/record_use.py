@@ -8,7 +8,7 @@ import numpy as np
 from identify.arrays import Mask
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.sampling import LONG_GAP
-from identify.preprocessing.usable import valid_samples
+from identify.signal.running import runs_of
 
 End = Literal["record_ends", "readings_missing", "motion_too_small", "motion_ends"]
 
@@ -55,7 +55,7 @@ def record_use(
     """
     record, released = located.recorded, located.release.time_s
     first, last, length = released + begin, released + end, len(record) / record.rate
-    gap = _gap(~valid_samples(record), round(last * record.rate), LONG_GAP * cycle * record.rate)
+    gap = _gap(~record.known, round(last * record.rate), LONG_GAP * cycle * record.rate)
     ended: End = "motion_ends" if to_the_end else "motion_too_small"
     missing = 0.0
     if gap is not None:
@@ -68,8 +68,5 @@ def record_use(
 
 def _gap(missing: Mask, at: int, fewest: float) -> tuple[int, int] | None:
     """Return the run of missing samples in which, or just before which, a sample lies, if it is long enough."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], missing.astype(np.int8), [0]])))
-    for first, stop in edges.reshape(-1, 2):
-        if first - 1 <= at <= stop and stop - first >= fewest:
-            return int(first), int(stop)
-    return None
+    runs = (run for run in runs_of(missing) if run[0] - 1 <= at <= run[1] and run[1] - run[0] >= fewest)
+    return next(runs, None)

@@ -7,14 +7,15 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
-from identify.preprocessing.sampling import block_means, first_gap, over_gaps, runs_of, too_coarse
+from identify.preprocessing.sampling import block_means, first_gap, over_gaps, too_coarse
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
-from identify.signal.running import running_maximum, running_median, running_minimum
+from identify.signal.running import running_maximum, running_median, running_minimum, runs_of
+from identify.signal.smoothing import without_line
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
 
@@ -74,48 +75,23 @@ class _Burst(NamedTuple):
 
 
 def release_of(decay: FreeDecay) -> Release:
-    """Return the release with the largest motion in a decay's record; the whole record where a force drives it."""
+    """Find the release with the largest motion in a record; the whole record where a force drives it."""
     if decay.driven:
         return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
-    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
+    return max(_search(decay), key=lambda item: item[0])[1]
 
 
-def find_release(
-    rate: float,
-    displacement: Array | None = None,
-    velocity: Array | None = None,
-    acceleration: Array | None = None,
-    valid: Mask | None = None,
-) -> Release:
-    """Return the release with the largest motion in a record; see `find_releases`."""
-    found = _search(rate, displacement, velocity, acceleration, valid)
-    return max(found, key=lambda item: item[0])[1]
+def find_releases(decay: FreeDecay) -> tuple[Release, ...]:
+    """Find every release in a record, in order.
 
-
-def find_releases(
-    rate: float,
-    displacement: Array | None = None,
-    velocity: Array | None = None,
-    acceleration: Array | None = None,
-    valid: Mask | None = None,
-) -> tuple[Release, ...]:
-    """Return every release in a record, in order.
-
-    Channels have shape (n,), one clock of `rate` Hz and any unit; at least one is given. A release is the start of
-    an oscillation that lasts: a bump or the pull that displaces the mass does not ring. Times are on the
-    acceleration's clock where there is one. Raises NotIdentifiable when nothing in the record oscillates freely.
+    A release is the start of an oscillation that lasts: a bump or the pull that displaces the mass does not ring. Times
+    are on the acceleration's clock where there is one. Raises NotIdentifiable when nothing in the record oscillates freely.
     """
-    return tuple(release for _, release in _search(rate, displacement, velocity, acceleration, valid))
+    return tuple(release for _, release in _search(decay))
 
 
-def _search(
-    rate: float,
-    displacement: Array | None,
-    velocity: Array | None,
-    acceleration: Array | None,
-    valid: Mask | None,
-) -> list[tuple[float, Release]]:
-    channels = _channels((displacement, velocity, acceleration), valid)
+def _search(decay: FreeDecay) -> list[tuple[float, Release]]:
+    rate, channels = decay.rate, _channels(decay)
     lead = channels[0]
     frequency = dominant_frequency(lead.values, rate, lead.derivative)
     if frequency <= 0.0 or len(lead.values) * frequency / rate < 2.5:
@@ -154,16 +130,12 @@ def _with_beats_whole(
     return joined
 
 
-def _channels(given: tuple[Array | None, Array | None, Array | None], valid: Mask | None) -> list[_Channel]:
+def _channels(decay: FreeDecay) -> list[_Channel]:
     channels = []
-    for derivative, values in enumerate(given):
-        if values is None:
-            continue
-        known = np.isfinite(values) if valid is None else np.isfinite(values) & valid
-        clean = _without_spikes(bridge(np.asarray(values, dtype=float), known))
-        channels.append(_Channel(clean, derivative, floor_above_motion(clean, known).std, ~known))
-    if not channels:
-        raise ValueError("a release needs a displacement, a velocity or an acceleration")
+    for name, values in decay.channels.items():
+        known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
+        clean = _without_spikes(bridge(values, known))
+        channels.append(_Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
     return channels
 
 
@@ -256,7 +228,7 @@ def _release(
     if not found:
         start = earliest if number else 0
         return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
-    onset = _most_trusted(found)[1]
+    onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))
     letting_go = _letting_go(rate, period, *onsets[0]) + (2.0 * onset.std if onset.std > 1.0 else 0.0)
@@ -308,27 +280,11 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
     if (
         stop - begin < 0.1 * turn
         or len(before) < 4
-        or _swing(before) > 0.6 * _swing(coarse[last - round(turn) : last])
+        or np.std(without_line(before)) > 0.6 * np.std(without_line(coarse[last - round(turn) : last]))
     ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
     return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
-
-
-def _swing(values: Array) -> float:
-    time = np.arange(len(values), dtype=float)
-    return float(
-        np.std(
-            values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1))
-        )
-    )
-
-
-def _most_trusted(found: list[tuple[_Channel, Onset]]) -> tuple[_Channel, Onset]:
-    """The acceleration's onset, unless another channel's is clearly the sharper one."""
-    last = found[-1]
-    sharpest = min(found, key=lambda item: item[1].std)
-    return last if last[1].std <= max(1.0, 3.0 * sharpest[1].std) else sharpest
 
 
 def _rest(
@@ -339,7 +295,7 @@ def _rest(
     onset: float,
     earliest: int,
 ) -> tuple[int, int]:
-    """The quiet samples before the onset; an earlier stretch when there are too few next to it."""
+    """The quiet samples before the onset; an earlier stretch when there are too few next to it, as of a trembling hand."""
     stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
     if stop - earliest < 4:
         return (0, 0)

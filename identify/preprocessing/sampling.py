@@ -4,6 +4,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.signal.oscillation import dominant_frequency
+from identify.signal.running import runs_of
 
 _TOO_FEW = 8.0
 """Readings a cycle below which a refusal is put down to the sampling."""
@@ -41,12 +42,6 @@ LONG_GAP = 0.5
 
 LONG_LOSS = 0.33
 """Share of a cycle from which on lost samples are a hole in the running amplitude; shorter ones are bridged."""
-
-
-def runs_of(mask: Mask) -> list[tuple[int, int]]:
-    """Return where each run of marked samples begins, and one past its end."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def block_means(values: Array, step: int) -> Array:

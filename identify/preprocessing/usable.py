@@ -2,22 +2,12 @@
 
 import numpy as np
 
-from identify.arrays import Array, Mask
+from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 
-CHANNELS = ("displacement", "velocity", "acceleration")  # by number of derivatives
 HAND_S = 0.030
 """A hand has surely let go this long after the release: it takes 20 ms at most, and channels differ by 3 ms."""
-
-
-def valid_samples(decay: FreeDecay) -> Mask:
-    """Return the mask of samples that were recorded and are numbers, shape (n,)."""
-    good = np.ones(len(decay), dtype=np.bool_) if decay.valid is None else decay.valid.copy()
-    for values in (decay.displacement, decay.velocity, decay.acceleration):
-        if values is not None:
-            good &= np.isfinite(values)
-    return good
 
 
 def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:

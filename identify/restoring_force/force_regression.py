@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identify.algebra import whiten
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
 from identify.restoring_force.force_window import ForceWindow, noise_velocity
@@ -25,7 +26,6 @@ from identify.signal.weak_form import (
     is_positive,
     rows_of,
     solve,
-    whiten,
     widened,
 )
 

@@ -1,7 +1,7 @@
 """The window that the restoring force is fitted on: the motion, where it is free and large, and its noise."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,14 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import flat_frequency
 from identify.preprocessing.motion import Motion
-from identify.preprocessing.noise import noise_of
-from identify.preprocessing.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles
-from identify.signal.smoothing import slope, smooth
+from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.usable import first_free_sample, last_large_sample, require_cycles
 
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _FEWEST_SAMPLES = 8.0  # a cycle, where one channel must give the others
 _STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, as the wavelet identification does
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
-_CALM_HARMONICS = 8.0  # kept of a coarse displacement, times the natural frequency
-_ROUGH = 0.2  # of the acceleration, beyond which it is mostly noise
 _BLUR_CYCLES = 0.03  # by which the smoothing of a lone displacement rounds a kink
 _LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
 _LATE_ALONE = 4e-5  # where smoothing has rounded them
@@ -59,36 +56,6 @@ class ForceWindow:
     def cut(self, values: Array) -> Array:
         """Return the window's part of `values`, which are as long as the motion."""
         return values[self.first : self.stop]
-
-
-def calmed(motion: Motion) -> Motion:
-    """Smooth a motion whose acceleration is mostly noise, as two differentiations of a coarse displacement leave it."""
-    frequency = flat_frequency(motion.velocity, motion.rate)
-    corner = _CALM_HARMONICS * frequency / motion.rate
-    if motion.source != "displacement" or not 0 < corner < 0.3:
-        return motion
-    displacement = smooth(motion.displacement, corner, motion.valid)
-    velocity = slope(displacement, motion.rate)
-    acceleration = slope(velocity, motion.rate)
-    rough = np.mean((motion.acceleration - acceleration)[motion.valid] ** 2)
-    if rough < _ROUGH**2 * np.mean(acceleration[motion.valid] ** 2):
-        return motion
-    return replace(
-        motion, displacement=displacement, velocity=velocity, acceleration=acceleration, noise_velocity=None
-    )
-
-
-def noise_levels(decay: FreeDecay) -> dict[str, float]:
-    """Return the noise of each channel present: as measured, or read off the record; never quite zero."""
-    present = [name for name in CHANNELS if getattr(decay, name) is not None]
-    levels = {name: getattr(decay, f"noise_{name}") for name in present}
-    if not all(levels.values()):
-        measured = noise_of(decay)
-        levels = {name: level or measured[name].std for name, level in levels.items()}
-    return {
-        name: max(level, 1e-9 * float(np.nanstd(getattr(decay, name))), 1e-300)
-        for name, level in levels.items()
-    }
 
 
 def noise_of_agreeing(decay: FreeDecay) -> Noises:

@@ -15,13 +15,11 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.usable import valid_samples
+from identify.preprocessing.noise import noise_levels
 from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
     ForceWindow,
     Noises,
-    calmed,
-    noise_levels,
     noise_of_agreeing,
     points_of,
     window_of,
@@ -103,7 +101,7 @@ def identify_restoring_force(
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
     decay, begins = block_averaged(aligned(decay))
-    motion = calmed(reconstruct(decay))
+    motion = reconstruct(decay)
     result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders, least_order)
     return replace(result, time=frozen(result.time + begins))
 
@@ -126,7 +124,7 @@ def identify_restoring_force_as_recorded(
         frozen(displacement),
         frozen(slope(displacement, decay.rate)),
         frozen(acceleration),
-        valid_samples(decay)[after],
+        decay.known[after],
         "displacement and acceleration, as recorded",
     )
     levels = noise_levels(decay)
@@ -188,7 +186,8 @@ def _result(
     terms = {_damping_name(i): mu * np.abs(v) ** i * np.sign(v) for i, mu in enumerate(polynomial.damping)}
     terms |= {_power("u", j): chi * u**j for j, chi in polynomial.stiffness.items()}
     timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
-    per_mass = {j: timed(value) for j, value in _stiffness_per_mass(chosen, decay.unit).items()}
+    damping, stiffness, offset = _estimates(chosen, decay.unit)
+    per_mass = {j: timed(value) for j, value in stiffness.items()}
     by_order = {
         j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
     }
@@ -198,8 +197,8 @@ def _result(
     return RestoringForceResult(
         stiffness=by_order[first],
         stiffness_by_order=by_order,
-        damping=tuple(timed(value) for value in _damping(chosen, decay.unit)),
-        offset=timed(_offset(chosen, decay.unit)),
+        damping=tuple(timed(value) for value in damping),
+        offset=timed(offset),
         order=chosen.order,
         reason=reason,
         mse_percent=_mse_percent(force, force_fit),
@@ -224,21 +223,16 @@ def _result(
     )
 
 
-def _damping(fit: ForceFit, unit: str) -> tuple[Estimate, ...]:
-    values = enumerate(fit.polynomial.damping)
-    return tuple(Estimate(float(mu), float(fit.std[i]), damping_unit(i, unit)) for i, mu in values)
-
-
-def _stiffness_per_mass(fit: ForceFit, unit: str) -> dict[int, Estimate]:
-    return {
-        j: Estimate(float(chi), float(fit.std[fit.order + 1 + at]), stiffness_unit(j, False, unit))
-        for at, (j, chi) in enumerate(fit.polynomial.stiffness.items())
+def _estimates(fit: ForceFit, unit: str) -> tuple[tuple[Estimate, ...], dict[int, Estimate], Estimate]:
+    """Return damping by order, stiffness per unit mass by its order, and the offset, with their standard errors."""
+    found, std = fit.polynomial, iter(float(x) for x in fit.std)
+    damping = tuple(
+        Estimate(float(mu), next(std), damping_unit(i, unit)) for i, mu in enumerate(found.damping)
+    )
+    stiffness = {
+        j: Estimate(chi, next(std), stiffness_unit(j, False, unit)) for j, chi in found.stiffness.items()
     }
-
-
-def _offset(fit: ForceFit, unit: str) -> Estimate:
-    place = fit.order + 1 + len(fit.polynomial.stiffness)
-    return Estimate(fit.polynomial.offset, float(fit.std[place]), damping_unit(0, unit))
+    return damping, stiffness, Estimate(found.offset, next(std), damping_unit(0, unit))
 
 
 def _mass(fit: ForceFit) -> Estimate:

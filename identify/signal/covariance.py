@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from identify.algebra import recursion
 from identify.arrays import Array
-from identify.recursion import recursion
 
 _SURE = 3.0  # standard deviations by which a misfit must exceed the noise before it counts
 

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
+from identify.algebra import solve_banded
 from identify.arrays import Array, Mask
 from identify.signal.kinematics import AVERAGES
 from identify.signal.splines import DEGREE, basis, clamped_knots, spline_and_derivatives
@@ -81,6 +81,6 @@ def _banded_least_squares(design: Array, place: NDArray[np.int_], values: Array,
     found, left = np.zeros(columns), values
     for _ in range(2):
         right = np.bincount(place.ravel(), (design * left[:, None]).ravel(), columns)
-        found += solveh_banded(band, right, lower=True, check_finite=False)
+        found += solve_banded(band, right.astype(np.float64))
         left = values - np.sum(design * found[place], axis=1)
     return np.asarray(found / size)

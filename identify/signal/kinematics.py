@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
+from identify.algebra import banded_cholesky, solve_factored, whiten
 from identify.arrays import Array
 from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
 
@@ -22,6 +22,9 @@ AVERAGES = {
     1: (-2, np.array([11.0, -93.0, 802.0, 802.0, -93.0, 11.0]) / 1440.0),
 }
 """First offset and weights of N: the mean of the higher channel over the difference (Numerov 1924; Stoermer)."""
+
+_SLOW_TERMS = 2
+"""Coefficients of the slow offset: it is a straight line."""
 
 DIFFERENCES = {2: (-1, np.array([1.0, -2.0, 1.0])), 1: (0, np.array([-1.0, 1.0]))}
 """First offset and weights of the difference of the lower channel."""
@@ -121,9 +124,7 @@ def difference_slope(order: int, rate: float, fraction: float, whole: int) -> St
     )
 
 
-def agree(
-    pair: Pair, lag: float, gain: float, *, free: bool = True, slow_terms: int = 2, steps: int = 4
-) -> Agreement:
+def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int = 4) -> Agreement:
     """Return the maximum-likelihood gain and lag (if `free`) and slow offset of a pair.
 
     Gauss-Newton on r' C^-1 r with C the covariance at the present lag and gain. The columns for gain and
@@ -131,6 +132,7 @@ def agree(
     out (errors in variables) and keeps the noise of the channels out of the regressors.
     """
     n = len(pair.low)
+    time = np.linspace(-1.0, 1.0, n)
     smooth_low = pair.low
     result: Agreement | None = None
     for _ in range(steps if free else 1):
@@ -138,15 +140,15 @@ def agree(
         h = difference(pair.order, pair.rate, fraction, whole)
         average = Stencil(*AVERAGES[pair.order])
         rows = _rows(n, h, average)
-        slow = _slow_columns(pair, average, rows, slow_terms)
+        slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
         columns = slow
         if free:
             slope = difference_slope(pair.order, pair.rate, fraction, whole)
             columns = np.column_stack([h.apply(smooth_low, rows), gain * slope.apply(smooth_low, rows), slow])
         averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
         residual = averages - gain * h.apply(pair.low, rows)
-        factor = cholesky_banded(_covariance(pair, average, h, gain, rows), lower=True, check_finite=False)
-        weighted = cho_solve_banded((factor, True), columns, check_finite=False)
+        factor = banded_cholesky(_covariance(pair, average, h, gain, rows))
+        weighted = solve_factored(factor, columns)
         covariance = np.linalg.inv(columns.T @ weighted)
         change = covariance @ (weighted.T @ residual)
         misfit = residual - columns @ change
@@ -154,13 +156,12 @@ def agree(
             [average.transpose(column, rows, n) for column in (weighted @ covariance).T]
         )
         widened = covariance + influence.T @ (pair.jumps[:, None] * influence)
-        score = cho_solve_banded((factor, True), misfit, check_finite=False)
+        score = solve_factored(factor, misfit)
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
         chi_square = float(misfit @ score)
-        slow_part = change[2:] if free else change
-        offset = _slow_offset(n, slow_part)
-        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, _whiten(factor, misfit), chi_square,
+        offset = time[:, None] ** np.arange(_SLOW_TERMS) @ (change[2:] if free else change)
+        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, whiten(factor, misfit), chi_square,
                            len(rows) - columns.shape[1], rows)  # fmt: skip
         if free:
             gain, lag = gain + float(change[0]), lag + float(change[1])
@@ -186,16 +187,3 @@ def _covariance(pair: Pair, average: Stencil, h: Stencil, gain: float, rows: ran
     band[: len(low)] += low
     band[: len(high)] += high
     return band
-
-
-def _slow_columns(pair: Pair, average: Stencil, rows: range, terms: int) -> Array:
-    time = np.linspace(-1.0, 1.0, len(pair.low))
-    return np.column_stack([average.apply(time**k, rows) for k in range(terms)])
-
-
-def _slow_offset(n: int, coefficients: Array) -> Array:
-    return np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(len(coefficients)) @ coefficients
-
-
-def _whiten(factor: Array, misfit: Array) -> Array:
-    return solve_banded((factor.shape[0] - 1, 0), factor, misfit, check_finite=False).astype(np.float64)

@@ -1,11 +1,11 @@
-"""Largest, smallest and middle value over a running window, without the twentieth of a second of loading `scipy.ndimage`."""
+"""Running windows and runs of samples, without the twentieth of a second of loading `scipy.ndimage`."""
 
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 
 Kind = TypeVar("Kind", np.float64, np.bool_)
 
@@ -30,3 +30,9 @@ def running_median(values: Array, width: int) -> Array:
     """Return the median of the `width` (odd) samples about each, shape (n,); the ends go on as they are."""
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, width // 2, mode="edge"), width)
     return np.asarray(np.median(windows, axis=1))
+
+
+def runs_of(mask: Mask) -> list[tuple[int, int]]:
+    """Return where each run of marked samples begins, and one past its end."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return [(int(first), int(stop)) for first, stop in edges.reshape(-1, 2)]

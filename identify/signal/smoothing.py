@@ -1,8 +1,8 @@
 """Smoothing with the noise in view: the smoothest signal that stays within the noise of one channel."""
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
+from identify.algebra import solve_banded
 from identify.arrays import Array, Mask
 
 PENALTY_ORDER = 4
@@ -31,7 +31,21 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
             band[k, m : m + n - PENALTY_ORDER] += strength * _PENALTY[m] * _PENALTY[m + k]
     weights = np.ones(n) if known is None else known.astype(float)
     band[0] += weights
-    return np.asarray(solveh_banded(band, weights * values, lower=True, check_finite=False))
+    return solve_banded(band, weights * values)
+
+
+def gain_of(corner: float, fraction: Array) -> Array:
+    """Return what `smooth` with a corner leaves of an oscillation of each frequency, both in cycles per sample."""
+    ratio = np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.5))
+    return np.asarray(1.0 / (1.0 + ratio**8))
+
+
+def without_line(values: Array, known: Mask | None = None) -> Array:
+    """Return `values` (n,) less the straight line through those that are known."""
+    place = np.linspace(-1.0, 1.0, len(values))
+    chosen = slice(None) if known is None else known
+    line = np.polynomial.polynomial.polyfit(place[chosen], values[chosen], 1)
+    return np.asarray(values - np.polynomial.polynomial.polyval(place, line))
 
 
 def slope(values: Array, rate: float) -> Array:

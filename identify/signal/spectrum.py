@@ -39,6 +39,19 @@ def strongest_lines(
     return tuple(lines)
 
 
+def white_level(power: Array, most: float) -> float:
+    """Return the mean of a white spectrum's powers, lines left out: those above `most` times the mean.
+
+    From the median on, it is that of the powers below the limit over the share that those of noise alone have of it.
+    """
+    floor = float(np.median(power) / np.log(2.0))
+    below = 1.0 - most / float(np.expm1(most))
+    for _ in range(5):
+        quiet = power < most * floor
+        floor = float(np.mean(power[quiet])) / below if quiet.any() else floor
+    return floor
+
+
 def high_band_floor(values: Array, rate: float, above: float) -> tuple[float, float]:
     """Return the white-noise standard deviation of a residual from its band above a frequency in Hz, and its standard error.
 
@@ -50,9 +63,5 @@ def high_band_floor(values: Array, rate: float, above: float) -> tuple[float, fl
     power = power[np.fft.rfftfreq(n, 1.0 / rate) > above][:-1]
     if len(power) < 12:
         return 0.0, float("inf")
-    floor = float(np.median(power)) / np.log(2.0)
-    for _ in range(5):
-        quiet = power < 8.0 * floor
-        floor = float(np.mean(power[quiet])) / 0.9973
-    std = float(np.sqrt(floor))
+    std = float(np.sqrt(white_level(power, 8.0)))
     return std, std * 0.5 * np.sqrt(1.5 / len(power)) * 1.2

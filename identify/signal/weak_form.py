@@ -15,8 +15,8 @@ from itertools import pairwise
 import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
-from scipy.linalg import cholesky_banded, solve_banded
 
+from identify.algebra import banded_cholesky
 from identify.arrays import Array, Mask
 from identify.signal.morlet import Complex, fast_length
 
@@ -138,7 +138,7 @@ def factor_of(band: Array) -> Array:
     """Return the banded Cholesky factor of the rows' covariance."""
     raised = band.copy()
     raised[0] += _JITTER * np.max(band[0])
-    return np.asarray(cholesky_banded(raised, lower=True, check_finite=False))
+    return banded_cholesky(raised)
 
 
 def is_positive(band: Array) -> bool:
@@ -182,8 +182,3 @@ def widened(covariance: Array, solution: LeastSquares) -> Array:
     stated = np.sqrt(np.diag(covariance)) + 1e-300
     raised = np.maximum(1.0, spread / stated)
     return np.asarray(covariance * np.outer(raised, raised))
-
-
-def whiten(factor: Array, columns: Array) -> Array:
-    """Return L^-1 `columns` for the lower banded Cholesky `factor` L."""
-    return np.asarray(solve_banded((len(factor) - 1, 0), factor, columns, check_finite=False))

@@ -6,7 +6,7 @@ nearly the same parameters. So the fitted model is integrated exactly, sent thro
 what the transform then shows beyond the averaged model is taken off the measurement; a few rounds suffice.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,27 +126,24 @@ def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[i
     return np.asarray(parameters[0] + cumulative(slopes, step))
 
 
-def parameters_of(
-    envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
-) -> tuple[Array, Array]:
+def parameters_of(fit: RidgeFit) -> tuple[Array, Array]:
     """Return the stiffness k_1, k_2, ... (zero at even orders) and the damping mu_0, ... per unit mass."""
-    w = phase_fit.parameters[1]
-    damping = envelope_fit.parameters[1:] / envelope_factors(w, len(envelope_fit.parameters) - 2)
+    slopes, orders = fit.phase_fit.parameters[1:], fit.stiffness_orders
+    w = slopes[0]
+    damping = fit.envelope_fit.parameters[1:] / envelope_factors(w, fit.order)
     stiffness = np.zeros(max(orders))
-    factors = backbone_factors(orders)
-    for order, slope, factor in zip(orders, phase_fit.parameters[1:], factors, strict=True):
+    for order, slope, factor in zip(orders, slopes, backbone_factors(orders), strict=True):
         stiffness[order - 1] = w**2 if order == 1 else 2 * w * slope / factor
     return stiffness, damping
 
 
-def exact_decay(
-    observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
-) -> Decay:
+def exact_decay(observed: Observed, fit: RidgeFit) -> Decay:
     """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
-    stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
-    amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
-    loss = -np.polynomial.polynomial.polyval(amplitude, envelope_fit.parameters[1:])
-    velocity = loss * np.cos(phase) - phase_fit.parameters[1] * amplitude * np.sin(phase)
+    stiffness, damping = parameters_of(fit)
+    amplitude, *losses = fit.envelope_fit.parameters
+    phase, frequency = fit.phase_fit.parameters[:2]
+    loss = -np.polynomial.polynomial.polyval(amplitude, losses)
+    velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
     return simulate_decay(
         amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
     )
@@ -187,7 +184,7 @@ def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit
     sound = fit
     for at in range(rounds):
         try:
-            decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+            decay = exact_decay(observed, fit)
         except RunsAway:
             if not at:
                 raise
@@ -204,16 +201,16 @@ def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit
         phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
         change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
         settled = bool(np.all(change < _SETTLED * np.sqrt(observed.variance)))
-        fit = RidgeFit(
-            fitted,
-            phase_fit,
-            fit.stiffness_orders,
-            envelope,
-            phases,
-            bias_envelope,
-            bias_phase,
-            fit.step,
-            settled,
+        fit = replace(
+            fit,
+            envelope_fit=fitted,
+            phase_fit=phase_fit,
+            envelope=envelope,
+            phase=phases,
+            bias_envelope=bias_envelope,
+            bias_phase=bias_phase,
+            settled=settled,
+            mixing=None,
         )
         if settled:
             break

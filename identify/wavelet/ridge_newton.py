@@ -90,7 +90,7 @@ def _moved(fit: RidgeFit, change: Array) -> RidgeFit:
 
 
 def _seen(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
-    decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    decay = exact_decay(observed, fit)
     envelope, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
     turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
     return envelope, phase - 2 * np.pi * turns

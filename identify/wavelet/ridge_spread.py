@@ -1,5 +1,7 @@
 """The spread of what the ridge says: the channel's noise carried through the transform, and the misfit."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from identify.arrays import Array
@@ -29,23 +31,19 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     return errors[:cut], errors[cut:]
 
 
-def clearances_of_envelopes(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> list[float]:
-    """Return how many standard errors the highest coefficient of each trial stands from zero."""
+def clearances_of(
+    observed: Observed, fit: RidgeFit, trials: Sequence[EnvelopeFit | PhaseFit], *, phase: bool
+) -> list[float]:
+    """Return how many standard errors the highest damping of each trial, or stiffness where of the `phase`, is from zero."""
     gains = np.stack([trial.gain[-1] for trial in trials])
-    variances = np.diag(_noise_in_envelope(observed, fit, gains)).copy()
+    measured, spread = fit.envelope, np.sqrt(observed.variance)
+    on_points = gains * _turn(observed, fit)
+    if phase:
+        measured, spread = fit.phase, spread / _amplitude(fit)
+        on_points = 1j * on_points / _amplitude(fit)
+    variances = np.diag(_carried(observed, on_points)).copy()
     for at, trial in enumerate(trials):
-        left, spread = fit.envelope - trial.fit, np.sqrt(observed.variance)
-        variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
-    highest = np.abs([trial.parameters[-1] for trial in trials])
-    return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
-
-
-def clearances_of_phases(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> list[float]:
-    """Return how many standard errors the highest stiffness of each trial stands from zero."""
-    gains = np.stack([trial.gain[-1] for trial in trials])
-    variances = np.diag(_noise_in_phase(observed, fit, gains)).copy()
-    for at, trial in enumerate(trials):
-        left, spread = fit.phase - trial.fit, np.sqrt(observed.variance) / _amplitude(fit)
+        left = measured - trial.fit
         variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
     highest = np.abs([trial.parameters[-1] for trial in trials])
     return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
@@ -60,14 +58,6 @@ def _misfit(observed: Observed, left: Array, spread: Array, gain: Array, paramet
 
 def _amplitude(fit: RidgeFit) -> Array:
     return np.asarray(np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope))))
-
-
-def _noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
-    return _carried(observed, gain * _turn(observed, fit))
-
-
-def _noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
-    return _carried(observed, 1j * gain * _turn(observed, fit) / _amplitude(fit))
 
 
 def _turn(observed: Observed, fit: RidgeFit) -> Complex:

@@ -4,15 +4,13 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.decimation import flat_frequency
-from identify.preprocessing.noise import noise_of
+from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.usable import (
-    CHANNELS,
     first_free_sample,
     last_large_sample,
     require_cycles,
-    valid_samples,
 )
 from identify.signal.averaging import integrate_envelope
 from identify.signal.fractional_delay import bridge
@@ -30,31 +28,26 @@ def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
 
     Raises NotIdentifiable when the record is driven, holds no oscillation, or too little of it.
     """
-    derivatives = next(i for i, name in enumerate(CHANNELS) if getattr(decay, name) is not None)
-    samples = getattr(decay, CHANNELS[derivatives])
-    valid = valid_samples(decay)
+    channel, samples = next(iter(decay.channels.items()))
+    derivatives, valid = CHANNELS.index(channel), decay.known
     if not np.any(valid):
-        raise NotIdentifiable(f"not a single sample of the {CHANNELS[derivatives]} is valid")
+        raise NotIdentifiable(f"not a single sample of the {channel} is valid")
     whole = bridge(samples, valid)
     start = first_free_sample(decay)
     frequency = flat_frequency(whole[start:], decay.rate)
     if frequency <= 0:
-        raise NotIdentifiable(f"no oscillation stands out of the {CHANNELS[derivatives]} after the release")
+        raise NotIdentifiable(f"no oscillation stands out of the {channel} after the release")
     start = first_free_sample(decay, frequency)
     if decay.force is not None:
         _require_free(decay.force, start)
     require_cycles(len(whole) - start, decay.rate, frequency, _FEWEST_CYCLES)
-    noise = getattr(decay, f"noise_{CHANNELS[derivatives]}") or noise_of(decay)[CHANNELS[derivatives]].std
-    noise = max(noise, 1e-9 * float(np.std(whole[start:])))
-
+    noise = noise_levels(decay)[channel]
     rough = observe(whole[start:], valid[start:], decay.rate, derivatives, 2 * np.pi * frequency, noise)
     envelope, _, angular = envelope_and_phase(rough, rough.samples)
     quiet = _STOP_AT_NOISE * noise / rough.angular_frequency**derivatives
     few = min(int(_FEWEST_CYCLES * decay.rate / frequency) + 1, len(whole) - start)
     large = last_large_sample(envelope, max(quiet, _STOP_AT_FIRST * float(np.max(envelope))))
-    still = NotIdentifiable(
-        f"the {CHANNELS[derivatives]} moves no more than its noise; release from a larger amplitude"
-    )
+    still = NotIdentifiable(f"the {channel} moves no more than its noise; release from a larger amplitude")
     if large < 1:
         raise still
     stop = max(min(large * int(rough.points[1]), len(whole) - start), few)

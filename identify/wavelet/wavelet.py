@@ -9,10 +9,9 @@ from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.clock_error import clock_sentence, with_clock
 from identify.estimate import Estimate
 from identify.formatting import identified_rows
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
-from identify.preprocessing.usable import CHANNELS
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
@@ -32,11 +31,7 @@ from identify.wavelet.ridge_fit import (
     parameters_of,
 )
 from identify.wavelet.ridge_newton import settle
-from identify.wavelet.ridge_spread import (
-    clearances_of_envelopes,
-    clearances_of_phases,
-    spreads_of,
-)
+from identify.wavelet.ridge_spread import clearances_of, spreads_of
 from identify.wavelet.ridge_window import observe_window
 from identify.wavelet.stick_slip import RunsAway
 
@@ -157,7 +152,7 @@ def _with_orders(
 def _choose_damping(
     observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit], least: int
 ) -> tuple[int, str]:
-    clear = clearances_of_envelopes(observed, fit, trials)
+    clear = clearances_of(observed, fit, trials, phase=False)
     noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
     misfits = [trial.mse_percent for trial in trials]
     worth = _worth(misfits, noise)
@@ -169,7 +164,7 @@ def _choose_stiffness(
 ) -> tuple[int, str]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
-    clear = clearances_of_phases(observed, fit, trials)
+    clear = clearances_of(observed, fit, trials, phase=True)
     noise = float(np.mean(observed.variance * observed.weight**2))
     highest = [orders[-1] for orders in tried]
     order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness")
@@ -194,7 +189,7 @@ def _result(
         order: with_mass(value, order, decay.mass, decay.mass_std, decay.unit)
         for order, value in by_order.items()
     }
-    computed = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    computed = exact_decay(observed, fit)
     reconstruction = channel_of(computed, observed.derivatives)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
     time = begins + np.arange(len(observed.samples)) / decay.rate
@@ -234,7 +229,7 @@ def _estimates(
     decay: FreeDecay, observed: Observed, fit: RidgeFit
 ) -> tuple[dict[int, Estimate], tuple[Estimate, ...]]:
     """Stiffness per unit mass by order, and damping, with their standard errors."""
-    stiffness, damping = parameters_of(fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    stiffness, damping = parameters_of(fit)
     w = fit.phase_fit.parameters[1]
     timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
     of_envelope, of_phase = spreads_of(observed, fit)

@@ -194,9 +194,7 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
     if decay.driven:
         return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
     try:
-        releases = find_releases(
-            decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid
-        )
+        releases = find_releases(decay)
     except NotIdentifiable as refusal:
         return [recording], (f"no release found: {refusal}",)
     if len(releases) < 2:

@@ -9,7 +9,7 @@ from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.release import find_release
+from identify.preprocessing.release import release_of
 from mocks.generate import Sample, draw
 
 RATE = 256.0
@@ -24,7 +24,7 @@ def drawn(seed: int, **fixed: float) -> Sample:
 
 
 def decay_of(sample: Sample, start: int = 0, stop: int | None = None) -> FreeDecay:
-    found = find_release(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
+    found = release_of(FreeDecay(RATE, displacement=sample.displacement, acceleration=sample.acceleration))
     window = slice(start, stop)
     whole = {"release": found.index, "rest": found.rest} if (start, stop) == (0, None) else {}
     return FreeDecay(
@@ -182,7 +182,7 @@ def test_correcting_moves_the_displacement_and_scales_the_acceleration() -> None
 
 def lag_score(displacement: np.ndarray, acceleration: np.ndarray, late: float) -> float:
     """The error of the lag in its standard errors."""
-    release = find_release(RATE, displacement=displacement, acceleration=acceleration)
+    release = release_of(FreeDecay(RATE, displacement=displacement, acceleration=acceleration))
     decay = FreeDecay(
         RATE,
         displacement=displacement,

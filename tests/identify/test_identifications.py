@@ -9,7 +9,7 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import find_release
+from identify.preprocessing.release import release_of
 from identify.restoring_force.restoring_force import (
     identify_restoring_force,
     identify_restoring_force_as_recorded,
@@ -23,7 +23,7 @@ METHODS = (identify_wavelet, identify_restoring_force)
 
 
 def decay_of(sample, **changes) -> FreeDecay:
-    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
+    release = release_of(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
     decay = FreeDecay(
         sample.rate,
         displacement=sample.displacement,

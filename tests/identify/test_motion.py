@@ -6,7 +6,7 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.release import find_release
+from identify.preprocessing.release import release_of
 from mocks.generate import draw
 
 RATE = 256.0
@@ -137,7 +137,9 @@ def test_plain_least_squares_on_the_motion_gives_the_parameters() -> None:
     rows = []
     for seed in range(24):
         sample = draw(None, 0.0, seed, noise_displacement=5e-6, noise_acceleration=0.01)
-        found = find_release(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
+        found = release_of(
+            FreeDecay(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
+        )
         decay = FreeDecay(
             RATE,
             displacement=sample.displacement,

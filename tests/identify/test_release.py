@@ -6,7 +6,8 @@ import pytest
 from decays_in_closed_form import coulomb, exponential
 
 from identify.errors import NotIdentifiable
-from identify.preprocessing.release import find_release, find_releases
+from identify.free_decay import FreeDecay
+from identify.preprocessing.release import find_releases, release_of
 from mocks.generate import draw
 from mocks.testbed import Bench, Release, simulate
 
@@ -27,7 +28,7 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
 ) -> None:
     for seed in range(6):
         sample = draw(None, 0.0, seed, release_time=hand)
-        found = find_release(256.0, **{name: getattr(sample, name) for name in names})
+        found = release_of(FreeDecay(256.0, **{name: getattr(sample, name) for name in names}))
         late = 0.0 if "acceleration" in names else sample.truth["displacement_late_s"]
         begun = sample.truth["released_at_s"] + late
         assert begun - 1 / 256 < found.time_s < begun + hand + 1 / 256
@@ -42,7 +43,7 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
 def test_an_impulse_is_told_from_a_displacement(names: tuple[str, ...]) -> None:
     for seed in range(6):
         sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, release_time=0.01)
-        found = find_release(256.0, **{name: getattr(sample, name) for name in names})
+        found = release_of(FreeDecay(256.0, **{name: getattr(sample, name) for name in names}))
         begun = sample.truth["released_at_s"]
         assert found.kind == "impulse"
         assert (
@@ -58,7 +59,7 @@ def test_any_rate_and_noise(rate: float, noise: float) -> None:
     rng = np.random.default_rng(int(rate))
     u = u + noise * 0.02 * rng.standard_normal(len(time))
     a = a + noise * 12.3 * rng.standard_normal(len(time))
-    found = find_release(rate, displacement=u, acceleration=a)
+    found = release_of(FreeDecay(rate, displacement=u, acceleration=a))
     assert abs(found.time_s - 0.9 - 0.3 / rate) < max(1 / rate, 4 * found.std_s)
     assert found.std_s < 0.01
 
@@ -74,9 +75,9 @@ def test_the_pull_that_displaces_the_mass_is_not_the_release() -> None:
         rng = np.random.default_rng(1)
         u, a = u + 5e-6 * rng.standard_normal(1900), a + 0.01 * rng.standard_normal(1900)
         for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
-            found = find_release(256.0, **channels)
+            found = release_of(FreeDecay(256.0, **channels))
             assert abs(found.time_s - 3.3021) < 1 / 256
-            assert len(find_releases(256.0, **channels)) == 1
+            assert len(find_releases(FreeDecay(256.0, **channels))) == 1
 
 
 def test_a_bump_hum_and_spikes_are_not_the_release() -> None:
@@ -89,7 +90,7 @@ def test_a_bump_hum_and_spikes_are_not_the_release() -> None:
     u[[300, 1500]] += 0.03
     a[[420, 1200]] -= 25.0
     for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
-        found = find_releases(256.0, **channels)
+        found = find_releases(FreeDecay(256.0, **channels))
         assert len(found) == 1
         assert abs(found[0].time_s - 3.3021) < 1 / 256
         assert found[0].rest[1] - found[0].rest[0] > 100
@@ -100,7 +101,7 @@ def test_lost_samples_are_not_looked_at() -> None:
     valid = np.ones(len(sample.displacement), dtype=bool)
     valid[100:110] = valid[400:440] = False
     u = np.where(valid, sample.displacement, -1.0)
-    found = find_release(256.0, displacement=u, valid=valid)
+    found = release_of(FreeDecay(256.0, displacement=u, valid=valid))
     assert abs(found.time_s - sample.truth["released_at_s"] - sample.truth["displacement_late_s"]) < 1 / 256
 
 
@@ -111,7 +112,7 @@ def test_a_camera_that_loses_the_bob_for_a_while_makes_no_second_release(lost: i
     u += 1e-3 * np.random.default_rng(1).standard_normal(900)
     valid = np.ones(900, dtype=bool)
     valid[300 : 300 + lost] = valid[600:615] = False
-    assert len(find_releases(30.0, displacement=np.where(valid, u, np.nan), valid=valid)) == 1
+    assert len(find_releases(FreeDecay(30.0, displacement=np.where(valid, u, np.nan), valid=valid))) == 1
 
 
 def test_a_release_during_a_loss_is_still_a_second_one() -> None:
@@ -120,7 +121,7 @@ def test_a_release_during_a_loss_is_still_a_second_one() -> None:
     u = 0.5 * np.exp(-0.15 * np.where(again, time - 15.0, time)) * np.cos(2 * np.pi * 0.9 * time)
     u += 1e-3 * np.random.default_rng(1).standard_normal(900)
     valid = np.abs(time - 15.0) > 0.5
-    assert len(find_releases(30.0, displacement=np.where(valid, u, np.nan), valid=valid)) == 2
+    assert len(find_releases(FreeDecay(30.0, displacement=np.where(valid, u, np.nan), valid=valid))) == 2
 
 
 def test_a_motion_that_is_over_at_once_is_not_called_silence() -> None:
@@ -128,15 +129,15 @@ def test_a_motion_that_is_over_at_once_is_not_called_silence() -> None:
     u = np.exp(-2.5 * np.maximum(time, 0.0)) * np.sin(2 * np.pi * np.maximum(time, 0.0))
     u = u + 1e-3 * np.random.default_rng(5).standard_normal(2000)
     with pytest.raises(NotIdentifiable, match="over within two cycles"):
-        find_release(100.0, acceleration=u)
+        release_of(FreeDecay(100.0, acceleration=u))
     with pytest.raises(NotIdentifiable, match="above its noise"):
-        find_release(100.0, acceleration=1e-3 * np.random.default_rng(5).standard_normal(2000))
+        release_of(FreeDecay(100.0, acceleration=1e-3 * np.random.default_rng(5).standard_normal(2000)))
 
 
 def test_a_record_that_begins_in_mid_decay_says_so() -> None:
     u, _, a = exponential(np.arange(1000) / 256 + 0.2, 3.944)
     for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
-        found = find_release(256.0, **channels)
+        found = release_of(FreeDecay(256.0, **channels))
         assert (found.kind, found.index, found.rest) == ("in_motion", 0, (0, 0))
         assert found.end > 990
 
@@ -146,7 +147,7 @@ def test_the_end_is_where_the_mass_sticks() -> None:
     u = coulomb(time, 3.944)[0]
     stuck = int(np.flatnonzero(np.abs(np.diff(u)) > 0)[-1]) + 1
     u = u + 5e-6 * np.random.default_rng(3).standard_normal(2240)
-    found = find_release(256.0, displacement=u)
+    found = release_of(FreeDecay(256.0, displacement=u))
     # The last half-cycle creeps in under the noise for its last tenth.
     assert stuck - 16 < found.end < stuck + 16
 
@@ -164,24 +165,24 @@ def test_several_releases_in_one_file_are_all_found() -> None:
         begun.append(offset / 256 + lasting)
         offset += len(time)
     u = np.concatenate(pieces) + 5e-6 * rng.standard_normal(offset)
-    found = find_releases(256.0, displacement=u)
+    found = find_releases(FreeDecay(256.0, displacement=u))
     assert len(found) == 3
     for release, truth in zip(found, begun, strict=True):
         assert abs(release.time_s - truth) < 1 / 256
         assert release.kind == "displaced"
         assert release.rest[0] > (truth - 4.0) * 256 - 800
     assert all(a.end <= b.rest[1] for a, b in itertools.pairwise(found))
-    assert find_release(256.0, displacement=u).time_s == found[1].time_s  # the largest
+    assert release_of(FreeDecay(256.0, displacement=u)).time_s == found[1].time_s  # the largest
 
 
 def test_noise_alone_is_refused_in_words() -> None:
     with pytest.raises(NotIdentifiable):
-        find_release(256.0, acceleration=0.01 * np.random.default_rng(5).standard_normal(1500))
+        release_of(FreeDecay(256.0, acceleration=0.01 * np.random.default_rng(5).standard_normal(1500)))
 
 
 def test_a_ship_model_is_released_after_it_was_tilted() -> None:
     roll = np.loadtxt(EXAMPLES / "ship_roll.csv", delimiter=",", skiprows=1)[:, 1]
-    found = find_release(100.0, displacement=roll)
+    found = release_of(FreeDecay(100.0, displacement=roll))
     assert 655 < found.index < 690  # the roll's second derivative turns from the hand's to the water's
     assert found.kind == "displaced"
     assert found.rest[1] - found.rest[0] > 400
@@ -190,7 +191,7 @@ def test_a_ship_model_is_released_after_it_was_tilted() -> None:
 
 def test_a_sonar_that_begins_in_motion_is_not_given_a_release() -> None:
     position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[:, 1]
-    found = find_releases(100.0, displacement=position)
+    found = find_releases(FreeDecay(100.0, displacement=position))
     assert len(found) == 1
     assert found[0].kind == "in_motion"
     assert found[0].end > len(position) - 10
@@ -211,14 +212,14 @@ def let_go(hand: float, frequency: float = 40.0, rate: float = 1000.0) -> tuple[
 
 def test_a_sudden_release_at_40_hz_keeps_its_first_cycle():
     u, free = let_go(0.0)
-    release = find_release(1000.0, u)
+    release = release_of(FreeDecay(1000.0, u))
     assert free < release.settle / 1000.0 < free + 0.4 / 40.0  # it was a whole period
 
 
 @pytest.mark.parametrize("hand", [0.008, 0.012, 0.020])
 def test_a_hand_at_40_hz_is_waited_for(hand):
     u, free = let_go(hand)
-    release = find_release(1000.0, u)
+    release = release_of(FreeDecay(1000.0, u))
     if release.kind != "in_motion":  # a slow hand lets the mass swing so little that there may be no onset
         assert release.settle / 1000.0 >= free
 
@@ -232,7 +233,7 @@ def beats(times: np.ndarray) -> np.ndarray:
 def test_a_motion_that_beats_is_one_release() -> None:
     times = np.arange(400) / 32.0
     u = np.round(beats(times) + 1e-3 * np.random.default_rng(6).standard_normal(400), 3)
-    assert len(find_releases(32.0, displacement=u)) == 1
+    assert len(find_releases(FreeDecay(32.0, displacement=u))) == 1
 
 
 def test_a_second_release_of_less_than_the_first_is_no_beat() -> None:
@@ -242,7 +243,7 @@ def test_a_second_release_of_less_than_the_first_is_no_beat() -> None:
     held = (times > 15.0) & (times < 20.0)
     u = np.where(held, 0.03, size * np.exp(-0.3 * again) * np.cos(2 * np.pi * 1.1 * again))
     u = u + 2e-4 * np.random.default_rng(7).standard_normal(1200)
-    assert len(find_releases(32.0, displacement=u)) == 2
+    assert len(find_releases(FreeDecay(32.0, displacement=u))) == 2
 
 
 def test_noise_does_not_hide_a_slow_motion() -> None:
@@ -251,6 +252,6 @@ def test_noise_does_not_hide_a_slow_motion() -> None:
     rng = np.random.default_rng(8)
     u = 0.1 * np.exp(-0.06 * times) * np.cos(2 * np.pi * 0.11 * times)
     u = u + np.where(times < 5.0, 0.05, 0.004) * rng.standard_normal(415)
-    found = find_releases(10.0, displacement=u)
+    found = find_releases(FreeDecay(10.0, displacement=u))
     assert len(found) == 1
     assert found[0].end > 250

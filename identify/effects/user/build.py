@@ -13,14 +13,11 @@ from identify.effects.effect import Parameter, Scales
 from identify.effects.force_effect import ForceEffect
 from identify.effects.user.draft import Draft
 from identify.effects.user.equilibrium import comes_to_rest, rest_function
-from identify.effects.user.expression import ZERO
-from identify.effects.user.expression_code import python_function
-from identify.effects.user.initial_values import combinations, dimensions_of, starts_of
-from identify.effects.user.linearity import acting_together, check_values, points_near
+from identify.effects.user.formula import ZERO, to_compile
+from identify.effects.user.initial_values import combinations, problem_of, starts_of
+from identify.effects.user.linearity import Draw, acting_together, check_values, points_near
 
 _NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
-
-Draw = Callable[[np.random.Generator], dict[str, float]]
 
 
 @force_function
@@ -49,8 +46,8 @@ def finished(
     rates = None
     if states:
         padded = (*draft.rates, *[ZERO] * (STATES - states))
-        rates = rate_function(python_function(padded, draft.names), cache=False)
-    settles = bool(states) and comes_to_rest(draft.rates, draw)
+        rates = rate_function(to_compile(padded, draft.names), cache=False)
+    settles = bool(states) and comes_to_rest(rates, states, draw)
     return ForceEffect(
         name=draft.name,
         title=title or f"{draft.name} (your own)",
@@ -85,19 +82,9 @@ def _parameters(
             raise ValueError(
                 f"{draft.name}: {called} is no parameter of the formula; {', '.join(draft.names)} are"
             )
-    for p in listed:
-        if not p.low < p.high:
-            raise ValueError(f"{draft.name}: {p.name} cannot lie between {p.low:g} and {p.high:g}")
-        if p.unit:
-            try:
-                dimensions_of(p.unit)
-            except ValueError as error:
-                raise ValueError(f"{draft.name}: {p.name}: {error}") from error
-    for called, values in starts.items():
-        low, high = (given[called].low, given[called].high) if called in given else (-inf, inf)
-        for value in values:
-            if not isfinite(value) or not low <= value <= high:
-                raise ValueError(f"{draft.name}: {called} cannot start at {value:g}, outside its bounds")
+        problem = problem_of(given.get(called) or Parameter(called, "", ""), starts.get(called, ()))
+        if problem is not None:
+            raise ValueError(f"{draft.name}: {problem[1]}")
     inner = tuple(given.get(n) or Parameter(n, "", "" if n in starts else _NO_UNIT) for n in draft.names[1:])
     strength = given.get(draft.names[0]) or Parameter(draft.names[0], "", "strength")
     if draft.positive and strength.low < 0.0:

@@ -1,5 +1,6 @@
 """A user's own effect: a formula on the command line, or a few lines in a Python file."""
 
+import ast
 from collections.abc import Callable
 
 from identify.effects.compiled import STATES
@@ -8,7 +9,7 @@ from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.effects.user.build import finished
 from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
-from identify.effects.user.expression import CONSTANTS, FUNCTIONS, ZERO, Node, parse_expression
+from identify.effects.user.formula import CONSTANTS, FUNCTIONS, ZERO, parse_formula
 from identify.effects.user.measured_curve import curve_effect, read_curve
 from identify.effects.user.settings import OwnSetting, read_setting
 
@@ -42,7 +43,7 @@ def parse_effect(text: str) -> ForceEffect:
         if part.strip():
             settings.append(read_setting(part.rstrip(), before=before))
         before += len(part) + 1
-    draft = from_formulas(name, parse_expression(formula, before=len(left) + 1), ZERO, (), formula.strip())
+    draft = from_formulas(name, parse_formula(formula, before=len(left) + 1), ZERO, (), formula.strip())
     for i, setting in enumerate(settings):
         called = setting.parameter.name
         if called not in draft.names:
@@ -108,10 +109,10 @@ def _check_name(name: str) -> None:
         )
 
 
-def _parsed(name: str, what: str, text: object) -> Node:
+def _parsed(name: str, what: str, text: object) -> ast.expr:
     if not isinstance(text, str):
         raise ValueError(f"{name}: the {what} must be a formula, not {type(text).__name__}")
     try:
-        return parse_expression(text) if text.strip() else ZERO
+        return parse_formula(text) if text.strip() else ZERO
     except ValueError as error:
         raise ValueError(f"{name}: {what}, {error}") from error

@@ -1,5 +1,6 @@
 """The draft of a user's own effect: its parameters, the strength first, and its parts, before anything is checked."""
 
+import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,23 +10,18 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS, force_function
-from identify.effects.user.expression import (
+from identify.effects.user.formula import (
     FUNCTIONS,
     ZERO,
-    Call,
-    Name,
-    Node,
-    Number,
+    is_sign,
     is_slip_direction,
-    minus,
     names_in,
-    plus,
+    over_arrays,
     slipping,
     times,
-    walk,
+    to_compile,
 )
-from identify.effects.user.expression_code import over_arrays, python_function
-from identify.effects.user.linearity import Values, drawn_points, strength_in
+from identify.effects.user.linearity import Values, proportion
 from identify.effects.user.python_function import along, compiled, parameters_of, placed
 
 VARIABLES = ("t", "u", "v", "z0", "z1")
@@ -34,6 +30,7 @@ _MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", 
 """Names that somebody gives to displacement, velocity or time, not to a parameter."""
 
 NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
+_SLIP = ast.Call(ast.Name("sgn", ast.Load()), [ast.Name("v", ast.Load(), col_offset=0)], [])
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,95 +46,90 @@ class Draft:
     values: Values
     force: Any
     friction: Any
-    rates: tuple[Node, ...]
+    rates: tuple[ast.expr, ...]
     equation: str
     positive: bool
     scaled: bool = False
 
 
-def from_formulas(name: str, force: Node, friction: Node, rates: tuple[Node, ...], equation: str) -> Draft:
+def from_formulas(
+    name: str, force: ast.expr, friction: ast.expr, rates: tuple[ast.expr, ...], equation: str
+) -> Draft:
     """Return the draft of an effect of formulas; what goes with sgn(v) joins the friction. ValueError when it is none."""
     names = _parameter_names(name, (force, friction, *rates), len(rates))
     _check_slip(name, (force, friction))
-    everything = plus(force, times(friction, Call("sgn", (Name("v"),))) if friction != ZERO else ZERO)
-    strength, order = strength_in(everything, names)
+    whole = force if friction is ZERO else ast.BinOp(force, ast.Add(), times(friction, _SLIP))
+    kinds = {n: proportion(_values_of((whole, ZERO), names), names, n) for n in names}
+    strength = next((n for kind in ("always", "from zero up") for n in names if kinds[n] == kind), "")
     scaled = not strength
     if scaled:
         strength = next(free for free in ("scale", "strength", "factor") if free not in names)
-        everything, equation = times(Name(strength), everything), f"{strength} ({equation})"
-    names = (strength, *(n for n in names if n != strength))
-    if len(names) > PARAMETERS:
-        raise ValueError(
-            f"{name}: {len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
-        )
-    smooth: Node = everything
-    level: Node = ZERO
-    if any(is_slip_direction(node) for node in walk(everything)):
-        forth, back = slipping(everything, 1.0), slipping(everything, -1.0)
-        smooth, level = (times(Number(0.5), part) for part in (plus(forth, back), minus(forth, back)))
-
-    def values(p: dict[str, float], points: dict[str, Array]) -> tuple[Array, ...]:
-        known: dict[str, Array | float] = {**p, **points}
-        shape = points["u"].shape
-        return tuple(np.broadcast_to(over_arrays(node, known), shape) for node in (smooth, level, *rates))
-
+        whole, equation = times(ast.Name(strength, ast.Load()), whole), f"{strength} ({equation})"
+    names = _within_most((strength, *(n for n in names if n != strength)), f"{name}: ")
+    smooth, level = slipping(whole) or (whole, None)
     return Draft(
         name=name,
         names=names,
-        values=values,
-        force=None if _is_zero(values, names, 0) else python_function((smooth,), names),
-        friction=None if level == ZERO else python_function((level,), names),
+        values=_values_of((smooth, level or ZERO, *rates), names),
+        force=to_compile((smooth,), names),
+        friction=None if level is None else to_compile((level,), names),
         rates=rates,
         equation=equation,
-        positive=order == "positive",
+        positive=kinds.get(strength) == "from zero up",
         scaled=scaled,
     )
 
 
-def _is_zero(values: Values, names: tuple[str, ...], part: int) -> bool:
-    random = np.random.default_rng(3)
-    return not any(
-        values({n: float(random.uniform(0.3, 2.0)) for n in names}, drawn_points(random, 1.0))[part].any()
-        for _ in range(3)
-    )
+def _values_of(parts: tuple[ast.expr, ...], names: tuple[str, ...]) -> Values:
+    evaluate = over_arrays(parts, names)
+
+    def values(p: dict[str, float], points: dict[str, Array]) -> tuple[Array, ...]:
+        t, u, v, *z = (points[n] for n in VARIABLES)
+        found = evaluate(t, u, v, z, [np.float64(p[n]) for n in names])
+        return tuple(np.broadcast_to(part, u.shape) for part in found)
+
+    return values
 
 
-def _check_slip(name: str, nodes: tuple[Node, ...]) -> None:
-    for node in (below for tree in nodes for below in walk(tree)):
-        if (
-            isinstance(node, Call)
-            and node.function == "sgn"
-            and "v" in names_in(node)
-            and not is_slip_direction(node)
-        ):
+def _check_slip(name: str, formulas: tuple[ast.expr, ...]) -> None:
+    for node in (below for formula in formulas for below in ast.walk(formula)):
+        if is_sign(node) and not is_slip_direction(node) and any(below.id == "v" for below in names_in(node)):
             raise ValueError(
-                f"{name}: character {node.at}: dry friction is written with sgn(v) alone; of anything else with v in it "
-                "the sign cannot be simulated (sgn(u*v) is sgn(u)*sgn(v))"
+                f"{name}: character {node.col_offset}: dry friction is written with sgn(v) alone; of anything else with v "
+                "in it the sign cannot be simulated (sgn(u*v) is sgn(u)*sgn(v))"
             )
 
 
-def _parameter_names(name: str, trees: tuple[Node, ...], states: int) -> tuple[str, ...]:
-    found = [node for tree in trees for node in walk(tree) if isinstance(node, Name)]
+def _parameter_names(name: str, formulas: tuple[ast.expr, ...], states: int) -> tuple[str, ...]:
+    found = [node for formula in formulas for node in names_in(formula)]
     for node in found:
-        if node.name.lower() in _MISTAKEN:
+        where = f"{name}: character {node.col_offset}"
+        if node.id.lower() in _MISTAKEN:
             raise ValueError(
-                f"{name}: character {node.at}: '{node.name}': displacement is u, velocity is v, time is t; other names "
-                "are parameters"
+                f"{where}: '{node.id}': displacement is u, velocity is v, time is t; other names are parameters"
             )
-        if node.name in ("z0", "z1")[states:]:
-            raise ValueError(f"{name}: character {node.at}: {node.name} has no rate that says how it changes")
-        if node.name in FUNCTIONS:
-            raise ValueError(f"{name}: character {node.at}: {node.name} is a function, {node.name}(...)")
-        if not NAME.fullmatch(node.name):
-            raise ValueError(f"{name}: character {node.at}: '{node.name[:40]}' cannot be a parameter's name")
-    return tuple(dict.fromkeys(node.name for node in found if node.name not in VARIABLES))
+        if node.id in ("z0", "z1")[states:]:
+            raise ValueError(f"{where}: {node.id} has no rate that says how it changes")
+        if node.id in FUNCTIONS:
+            raise ValueError(f"{where}: {node.id} is a function, {node.id}(...)")
+        if not NAME.fullmatch(node.id):
+            raise ValueError(f"{where}: '{node.id[:40]}' cannot be a parameter's name")
+    return tuple(dict.fromkeys(node.id for node in found if node.id not in VARIABLES))
+
+
+def _within_most(names: tuple[str, ...], where: str) -> tuple[str, ...]:
+    if len(names) > PARAMETERS:
+        raise ValueError(
+            f"{where}{len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
+        )
+    return names
 
 
 def from_functions(
     name: str,
     force: str | Callable[..., float],
     friction: str | Callable[..., float],
-    rates: tuple[Node, ...],
+    rates: tuple[ast.expr, ...],
     listed: tuple[str, ...],
 ) -> Draft:
     """Return the draft of an effect of Python functions, compiled; ValueError when they are of another kind."""
@@ -145,26 +137,25 @@ def from_functions(
         raise ValueError(f"{name}: force and friction must both be formulas or both be functions")
     functions = tuple(f if callable(f) else None for f in (force, friction))
     try:
-        found = [parameters_of(f, listed) for f in functions if f is not None]
-        names = tuple(
-            dict.fromkeys([*(n for part in found for n in part), *_parameter_names(name, rates, len(rates))])
-        )
-        if len(names) > PARAMETERS:
-            raise ValueError(
-                f"{len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
-            )
+        found = [n for f in functions if f is not None for n in parameters_of(f, listed)]
+        names = _within_most(tuple(dict.fromkeys([*found, *_parameter_names(name, rates, len(rates))])), "")
         made = [None if f is None else compiled(force_function, placed(f, names)) for f in functions]
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
+    of_rates = _values_of(rates, names)
 
     def values(p: dict[str, float], points: dict[str, Array]) -> tuple[Array, ...]:
         ordered = {n: p[n] for n in names}
         parts = [
             np.zeros(len(points["u"])) if f is None else along(f, PARAMETERS, points, ordered) for f in made
         ]
-        shape = points["u"].shape
-        return (*parts, *(np.broadcast_to(over_arrays(rate, {**p, **points}), shape) for rate in rates))
+        return (*parts, *of_rates(p, points))
 
+    kind = proportion(values, names, names[0])
+    if kind == "no":
+        raise ValueError(
+            f"{name}: the force must be proportional to its first parameter, and is not to {names[0]}"
+        )
     return Draft(
         name=name,
         names=names,
@@ -173,27 +164,5 @@ def from_functions(
         friction=made[1],
         rates=rates,
         equation=f"{name}(t, u, v)",
-        positive=_check_proportion(name, names, values),
+        positive=kind == "from zero up",
     )
-
-
-def _check_proportion(name: str, names: tuple[str, ...], values: Values) -> bool:
-    """Return whether a force is proportional to its first parameter from zero up only; ValueError if not even there."""
-    random = np.random.default_rng(4)
-    positive = False
-    for _ in range(3):
-        p = {n: float(random.uniform(0.3, 2.0)) for n in names}
-        points = drawn_points(random, 0.1)
-        once = np.concatenate(values(p, points)[:2])
-        size = float(np.max(np.abs(once), initial=0.0))
-        for factor in (2.5, 0.0, -1.0):
-            other = np.concatenate(values(p | {names[0]: factor * p[names[0]]}, points)[:2])
-            same = np.abs(other - factor * once) <= 1e-9 * size
-            if same[np.isfinite(once)].all():
-                continue
-            if factor >= 0.0:
-                raise ValueError(
-                    f"{name}: the force must be proportional to its first parameter, and is not to {names[0]}"
-                )
-            positive = True
-    return positive

@@ -52,6 +52,19 @@ def dimensions_of(unit: str) -> tuple[int, int, str]:
     return length, time, "rad" if "rad" in kinds else "Hz" if "Hz" in kinds else ""
 
 
+def problem_of(parameter: Parameter, starts: tuple[float, ...]) -> tuple[str, str] | None:
+    """Find what is wrong with a parameter ("unit", "bounds" or "start") and say it in a sentence; None where nothing is."""
+    name, low, high = parameter.name, parameter.low, parameter.high
+    try:
+        dimensions_of(parameter.unit or "1")
+    except ValueError as error:
+        return "unit", f"{name}: {error}"
+    if not low < high:
+        return "bounds", f"{name} cannot lie between {low:g} and {high:g}"
+    outside = [value for value in starts if not isfinite(value) or not low <= value <= high]
+    return ("start", f"{name} cannot start at {outside[0]:g}, outside its bounds") if outside else None
+
+
 def combinations(choices: list[Choice]) -> tuple[tuple[float, ...], ...]:
     """Return combinations of one value from each choice: first the likely values, then others as room allows."""
     likely = _drawn([choice.likely for choice in choices], _MOST)

@@ -1,4 +1,4 @@
-"""Proportion: which parameter of a formula is its strength, and whether the others can be told from it."""
+"""Proportion: which parameter of a force is its strength, and whether the others can be told from it."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -6,13 +6,14 @@ from typing import Literal
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.user.expression import Binary, Call, Name, Negative, Node, Number
 
-Order = Literal["absent", "zero", "linear", "positive", "other"]
-"""How a force depends on a parameter; `positive` is proportional where the parameter is not negative."""
+Proportion = Literal["always", "from zero up", "no"]
+"""For which values of a parameter a force is proportional to it."""
 
 Values = Callable[[dict[str, float], dict[str, Array]], tuple[Array, ...]]
 """Force, friction level and rates of an effect at values of its parameters and of t, u, v, z0, z1, shape (n,) each."""
+
+Draw = Callable[[np.random.Generator], dict[str, float]]
 
 _POINTS = 400
 _DRAWS = 6
@@ -22,60 +23,23 @@ _SAME = 1e-5
 _SIZES = (1.0, 0.1, 0.01, 1e-3)
 
 
-def order_in(node: Node, name: str) -> Order:
-    """Return how a formula depends on a parameter, from its tree."""
-    if isinstance(node, Number):
-        return "zero" if node.value == 0.0 else "absent"
-    if isinstance(node, Name):
-        return "linear" if node.name == name else "absent"
-    if isinstance(node, Negative):
-        return order_in(node.of, name)
-    if isinstance(node, Call):
-        return _order_of_call(node, name)
-    left, right = order_in(node.left, name), order_in(node.right, name)
-    if node.operator in "+-":
-        return _sum(left, right)
-    return _order_of_product(node, left, right)
-
-
-def _sum(left: Order, right: Order) -> Order:
-    kinds = {left, right} - {"zero"}
-    if len(kinds) <= 1:
-        return kinds.pop() if kinds else "zero"
-    return "positive" if kinds == {"linear", "positive"} else "other"
-
-
-def _order_of_product(node: Binary, left: Order, right: Order) -> Order:
-    if node.operator == "*":
-        if "zero" in (left, right):
-            return "zero"
-        if right == "absent":
-            return left
-        return right if left == "absent" else "other"
-    if node.operator == "/":
-        return left if right == "absent" else "other"
-    if left == right == "absent":
-        return "absent"
-    return left if node.right == Number(1.0) and right == "absent" else "other"
-
-
-def _order_of_call(node: Call, name: str) -> Order:
-    orders = {order_in(argument, name) for argument in node.arguments}
-    if orders <= {"absent", "zero"}:
-        return "absent"
-    homogeneous = node.function in ("abs", "min", "max", "clip") and orders <= {"linear", "positive", "zero"}
-    return "positive" if homogeneous else "other"
-
-
-def strength_in(node: Node, names: tuple[str, ...]) -> tuple[str, Order]:
-    """Return the first parameter to which a formula is proportional, and how; ("", "absent") where there is none."""
-    orders = {name: order_in(node, name) for name in names}
-    wanted: tuple[Order, ...] = ("linear", "positive")
-    for order in wanted:
-        for name in names:
-            if orders[name] == order:
-                return name, order
-    return "", "absent"
+def proportion(values: Values, names: tuple[str, ...], name: str) -> Proportion:
+    """Decide whether force and friction double, vanish and change sign with one of the parameters `names`."""
+    random = np.random.default_rng(4)
+    changes_sign, acts = True, False
+    for _ in range(_DRAWS):
+        p = {n: float(random.uniform(0.3, 2.0)) for n in names}
+        points = points_near(random, p)
+        once = np.concatenate(values(p, points)[:2])
+        known = np.isfinite(once)
+        acts |= bool(np.any(once[known]))
+        for factor in (2.0, 0.0, -1.0):
+            other = np.concatenate(values(p | {name: factor * p[name]}, points)[:2])
+            if not np.allclose(other[known], factor * once[known], rtol=1e-9, atol=1e-300):
+                if factor >= 0.0:
+                    return "no"
+                changes_sign = False
+    return "no" if not acts else "always" if changes_sign else "from zero up"
 
 
 def drawn_points(random: np.random.Generator, size: float) -> dict[str, Array]:
@@ -87,7 +51,7 @@ def drawn_points(random: np.random.Generator, size: float) -> dict[str, Array]:
     return points
 
 
-def check_values(name: str, values: Values, draw: Callable[[np.random.Generator], dict[str, float]]) -> None:
+def check_values(name: str, values: Values, draw: Draw) -> None:
     """Check that an effect is finite around rest, on some scale at least, and depends on the motion or on time.
 
     Raises ValueError, with a point at which it fails.
@@ -131,9 +95,7 @@ def _told(points: dict[str, Array], i: int) -> str:
     )
 
 
-def acting_together(
-    values: Values, draw: Callable[[np.random.Generator], dict[str, float]]
-) -> tuple[str, ...]:
+def acting_together(values: Values, draw: Draw) -> tuple[str, ...]:
     """Return parameters of which one could be left out: they act only together, or not at all; () where each counts."""
     random = np.random.default_rng(1)
     together: tuple[str, ...] = ()

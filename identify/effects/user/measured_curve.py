@@ -147,18 +147,18 @@ def _value(form: CurveForm) -> Any:
 
 def _of(value: Any, form: CurveForm) -> Any:
     """Return the force, or the level of friction, as a function (t, u, v, z, p) to compile."""
-    functions = {
-        ("", "u"): lambda t, u, v, z, p: value(u, p),
-        ("", "v"): lambda t, u, v, z, p: value(v, p),
-        ("", "t"): lambda t, u, v, z, p: value(t, p),
-        ("", "abs(v)"): lambda t, u, v, z, p: value(abs(v), p),
-        ("u", "u"): lambda t, u, v, z, p: u * value(u, p),
-        ("u", "v"): lambda t, u, v, z, p: u * value(v, p),
-        ("u", "t"): lambda t, u, v, z, p: u * value(t, p),
-        ("u", "abs(v)"): lambda t, u, v, z, p: u * value(abs(v), p),
-        ("v", "u"): lambda t, u, v, z, p: v * value(u, p),
-        ("v", "v"): lambda t, u, v, z, p: v * value(v, p),
-        ("v", "t"): lambda t, u, v, z, p: v * value(t, p),
-        ("v", "abs(v)"): lambda t, u, v, z, p: v * value(abs(v), p),
-    }
-    return functions["" if form.factor == "sgn(v)" else form.factor, form.over]
+    position = njit(_OVER_MOTION[form.over])
+    factor = njit(_OVER_MOTION.get(form.factor, _one))
+    return lambda t, u, v, z, p: factor(t, u, v) * value(position(t, u, v), p)
+
+
+def _one(t: float, u: float, v: float) -> float:
+    return 1.0
+
+
+_OVER_MOTION = {
+    "u": lambda t, u, v: u,
+    "v": lambda t, u, v: v,
+    "t": lambda t, u, v: t,
+    "abs(v)": lambda t, u, v: abs(v),
+}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 from identify.effects.effect import Parameter
-from identify.effects.user.initial_values import dimensions_of
+from identify.effects.user.initial_values import problem_of
 
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d{1,3})?")
@@ -69,41 +69,29 @@ class _Reader:
 def read_setting(text: str, *, before: int) -> OwnSetting:
     """Return what a setting says; ValueError, in a sentence with the place, when it cannot be read."""
     reader = _Reader(text, before)
-    at = reader.place
+    at = {"name": reader.place}
     name = reader.read(_NAME, "a parameter")
-    unit = _unit(reader) if reader.take(":") else ""
-    bounds_at = reader.place
-    low, high = _bounds(reader)
-    if not low < high:
-        raise ValueError(f"character {bounds_at}: {name} cannot lie between {low:g} and {high:g}")
+    has_unit = reader.take(":")
+    at["unit"] = reader.place
+    unit = reader.read(_UNIT, "a unit").strip() if has_unit else ""
+    if has_unit and not unit:
+        raise ValueError(f"character {at['unit']}: a unit is expected after the colon, {_LIKE}")
+    at["bounds"] = reader.place
+    parameter = Parameter(name, unit, "", *_bounds(reader))
     starts: tuple[float, ...] = ()
     if reader.take("start"):
-        starts_at = reader.place
+        at["start"] = reader.place
         starts = (reader.number(),)
         while reader.take(","):
             starts = (*starts, reader.number())
-        outside = [value for value in starts if not low <= value <= high]
-        if outside:
-            raise ValueError(
-                f"character {starts_at}: {name} cannot start at {outside[0]:g}, outside its bounds"
-            )
+    problem = problem_of(parameter, starts)
+    if problem is not None:
+        raise ValueError(f"character {at[problem[0]]}: {problem[1]}")
     if reader.at < len(text):
         raise ValueError(
             f"character {reader.place}: '{text[reader.at :][:20].strip()}' is not understood, {_LIKE}"
         )
-    return OwnSetting(Parameter(name, unit, "", low, high), starts, at)
-
-
-def _unit(reader: _Reader) -> str:
-    at = reader.place
-    unit = reader.read(_UNIT, "a unit").strip()
-    if not unit:
-        raise ValueError(f"character {at}: a unit is expected after the colon, {_LIKE}")
-    try:
-        dimensions_of(unit)
-    except ValueError as error:
-        raise ValueError(f"character {at}: {error}") from None
-    return unit
+    return OwnSetting(parameter, starts, at["name"])
 
 
 def _bounds(reader: _Reader) -> tuple[float, float]:
