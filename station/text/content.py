@@ -102,7 +102,7 @@ def markdown(parts: Iterable[Part]) -> str:
     for part in parts:
         match part:
             case Facts():
-                blocks.append("\n".join(["| | |", "|---|---|", *(f"| {a} | {b} |" for a, b in part.rows)]))
+                blocks += [f"**{label}**: {text}" if label else text for label, text in part.rows]
             case Table():
                 rule = ["---" if n < part.texts else "---:" for n in range(len(part.head))]
                 lines = [f"| {' | '.join(row)} |" for row in (part.head, tuple(rule), *part.rows)]

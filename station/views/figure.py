@@ -2,7 +2,6 @@
 
 import base64
 import re
-from collections.abc import Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
@@ -158,10 +157,3 @@ def points(
     """Draw points with two standard errors, where those are known; `form` as matplotlib takes it."""
     error = None if std is None else 2 * std
     axis.errorbar(x, y, yerr=error, fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None)
-
-
-def rows_of(axis: "Axes", names: Sequence[str]) -> None:
-    """Name the bars of an axis from the top down."""
-    axis.set_yticks(range(len(names)), [literal(name) for name in names])
-    axis.invert_yaxis()
-    axis.grid(axis="y", visible=False)

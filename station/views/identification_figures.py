@@ -14,7 +14,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded, three_figures
-from station.views.figure import Picture, both, curve, figure, joined, literal, points, rows_of, zero_lines
+from station.views.figure import Picture, both, curve, figure, joined, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -152,7 +152,9 @@ def _significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> Non
     for row, (_, value) in enumerate(terms):
         label = f" {three_figures(value)} %" if value >= 0.01 else f" {value:.1g} %"
         axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
-    rows_of(axis, [name for name, _ in terms])
+    axis.set_yticks(range(len(terms)), [literal(name) for name, _ in terms])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
     axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
 

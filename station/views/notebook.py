@@ -92,10 +92,9 @@ def _curves(found: DecayCurves) -> Picture:
 
 
 def _ladder(found: Ladder) -> Picture:
-    rows = [
-        (row[0], step.error.chi_square) for row, step in zip(found.brief().rows, found.steps, strict=True)
-    ]
-    return diagnosis_figures.residuals(rows, found.top.error.floor_std)
+    names = [row[0] for row in found.brief().rows]
+    steps = list(zip(names, (step.fit for step in found.steps), strict=True))
+    return comparison_figures.front([*steps[:1], *steps[1:][-1:]])
 
 
 _DRAWINGS: tuple[tuple[type, Callable[[Any], Picture]], ...] = (
