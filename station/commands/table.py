@@ -57,7 +57,7 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
         )
     tables = table.make_tables(documents)
     if as_json or form == "json":
-        print_json(table.as_json(tables))
+        print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:
         writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
         click.echo(writers[form](tables), nl=False)

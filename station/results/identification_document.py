@@ -32,7 +32,6 @@ class ReleaseDocument(Part):
     kind: str
     amplitude: Number
     index: int
-    settled_s: float
     end_s: float
     rest_s: tuple[float, float]
 
@@ -55,7 +54,6 @@ class MethodDocument(Part):
     reason: str
     mse_percent_by_order: list[Number]
     stiffness_by_order: dict[str, EstimateDocument]
-    stiffness_per_mass: EstimateDocument
 
 
 class WaveletDocument(MethodDocument):
@@ -69,7 +67,6 @@ class WaveletDocument(MethodDocument):
 class RestoringForceDocument(MethodDocument):
     """What the restoring force surface found."""
 
-    mse_percent: Number
     significance_percent: dict[str, Number]
     offset: EstimateDocument
     mass: EstimateDocument | None
@@ -107,7 +104,6 @@ class IdentificationDocument(Document):
     alignment: AlignmentDocument | None
     wavelet: WaveletDocument | None
     restoring_force: RestoringForceDocument | None
-    restoring_force_without_alignment: RestoringForceDocument | None
     refusals: dict[str, str]
     adequacy: AdequacyDocument | None = None
     orders: OrdersDocument | None = None
@@ -130,7 +126,6 @@ def identification_document(
         session=name,
         record=_record(result),
         release=_release(result),
-        restoring_force_without_alignment=result.without_alignment,
         orders=options,
     )
 
@@ -158,7 +153,6 @@ def _release(result: Identification) -> ReleaseDocument:
         kind=release.kind,
         amplitude=amplitude(result),
         index=int(release.index),
-        settled_s=release.settle / rate,
         end_s=release.end / rate,
         rest_s=(release.rest[0] / rate, release.rest[1] / rate),
     )

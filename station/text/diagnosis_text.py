@@ -3,7 +3,8 @@
 from identify.diagnosis.verdict import HEADLINES
 from identify.formatting import among, plain_name
 from station.results.confirmation_document import ConfirmationDocument
-from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import FindingDocument, SuspectDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts

@@ -7,7 +7,8 @@ from rich.text import Text
 
 from daq.capture import CaptureObserver
 from identify.diagnosis.guidance import MOST, Guidance, State
-from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
 from station.text.capture_progress import Watch
 from station.text.diagnosis_text import headline

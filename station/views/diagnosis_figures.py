@@ -10,7 +10,7 @@ from identify.arrays import Array
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.force_map import ForceMap
 from identify.formatting import plain_name
-from station.results.diagnosis_document import CurveDocument
+from station.results.diagnosis_parts import CurveDocument
 from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale_as_recorded
 from station.views.curve_panels import draw_panels

@@ -8,7 +8,7 @@ from station.cli import run
 from station.commands.guide import limits_of
 from station.exits import UsageProblem
 from station.operations.guiding import _again
-from station.results.diagnosis_document import HypothesisDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.text.guide_text import BAR, bar, gave, odds_chart, percent
 
