@@ -35,5 +35,5 @@ def play_guided(
     if as_json:
         print_json(document.plain() | {"hidden": hidden})
     else:
-        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now", 12))
+        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now"))
     return DONE

@@ -37,6 +37,5 @@ def methods(found: Findings) -> Section:
     caption = "Measured (grey) and reconstructed signals (dark), and the residual of the reconstruction."
     parts.append(Figure(caption, draw.reconstruction(result)))
     if force is not None:
-        parts.append(Figure("Restoring force surface with the measured points.", draw.surface(force, length)))
-        parts.append(Figure("Sections of the surface.", draw.sections(force, length)))
+        parts.append(Figure("Sections of the restoring force surface.", draw.sections(force, length)))
     return Section("methods", TITLE, tuple(parts))

@@ -23,6 +23,11 @@ def headline(document: DiagnosisDocument) -> str:
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
+def tone_of(document: DiagnosisDocument) -> Tone:
+    """Decide how good a verdict is."""
+    return TONES.get(document.verdict, "bad")
+
+
 def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full: bool = False) -> Told:
     """Tell a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too.
 
@@ -44,7 +49,7 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     more += shares_tables(document.shares)
     rest = [("record next", document.next_experiment)] if named else []
     more += facts((*_facts(document), *differ[1:], *sensor[1:], *mend, *rest))
-    return Told(headline(document), TONES.get(document.verdict, "bad"), tuple(brief), tuple(more))
+    return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
 
 
 def _first_sentence(text: str) -> str:

@@ -1,8 +1,7 @@
 """The record and both identifications in figures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,6 @@ SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
 MOST_SHADED = 200
 LONGEST = 24
-COARSE = 3
 LEAST_SHARE = 1e-6
 MOST_DOTS = 250
 WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
@@ -197,36 +195,6 @@ def _rebuilt(
     axes[0].set_ylabel(literal(label))
     curve(axes[1], time, (measured - model) * fine, color=PAPER.residual, lw=0.7)
     axes[1].set_ylabel(literal(f"residual [{unit}]"))
-
-
-def surface(found: RestoringForceResult, length: str) -> Picture:
-    """Draw the restoring force surface over displacement and velocity with the measured points on it."""
-    from matplotlib.tri import Triangulation
-
-    factor, name = scale("displacement", length)
-    drawn, (flat,) = figure(PAPER, 3.3, subplot_kw={"projection": "3d"}, width=5.2)
-    axis: Any = flat  # three-dimensional, which the types of a plain pair of axes do not know
-    coarse = replace(
-        found,
-        grid_displacement=found.grid_displacement[::COARSE],
-        grid_velocity=found.grid_velocity[::COARSE],
-        surface=found.surface[::COARSE, ::COARSE],
-    )
-    vertices, triangles = mesh(coarse)
-    net = Triangulation(vertices[:, 0] * factor, vertices[:, 1], triangles)
-    axis.plot_trisurf(
-        net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75, rasterized=True
-    )
-    every = max(1, len(found.force) // MOST_DOTS)
-    points = (found.displacement * factor, found.velocity, found.force)
-    axis.plot(*(values[::every] for values in points), ".", color=PAPER.ink, ms=1.6)
-    axis.set_xlabel(literal(f"displacement [{name}]"))
-    axis.set_ylabel(literal(f"velocity [{length}/s]"))
-    axis.set_zlabel(literal(f"force per unit mass [{length}/s^2]"))
-    axis.locator_params(nbins=5)
-    axis.view_init(22, -125)
-    axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
-    return drawn
 
 
 def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:
