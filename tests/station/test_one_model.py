@@ -9,6 +9,7 @@ from hidden import DUFFING
 
 from station.cli import run
 from station.operations.current_model import current_model
+from station.operations.identifying import kept_options
 from station.operations.record_floor import NAME, prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.report.findings import gather
