@@ -3,10 +3,12 @@
 import math
 import re
 from collections.abc import Mapping
-from typing import Protocol
 
 from identify import formatting
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.estimate import Estimate
+from station.results.documents import EstimateDocument
+from station.results.models import Value
 
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
@@ -15,20 +17,8 @@ _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _LARGE, _SMALL = 1e5, 1e-3
 
 
-class Estimated(Protocol):
-    """A value with its standard error and its unit; None where either is not known."""
-
-    @property
-    def value(self) -> float | None:
-        """The value."""
-
-    @property
-    def std(self) -> float | None:
-        """Its standard error."""
-
-    @property
-    def unit(self) -> str:
-        """Its unit."""
+Estimated = Estimate | EstimateDocument | Value
+"""A value with its standard error and its unit; None in a document where either is not known."""
 
 
 def or_nan(value: float | None) -> float:

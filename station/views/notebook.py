@@ -1,7 +1,6 @@
 """Pictures for a notebook: `draw(result)` gives a figure of whatever `identify` returned."""
 
-from collections.abc import Callable
-from typing import Any
+from functools import singledispatch
 
 import numpy as np
 
@@ -22,24 +21,18 @@ MOST_SUSPECTS = 3
 MEASURED, MODEL = PAPER.measured, PAPER.model
 
 
-def draw(
-    result: FreeDecay
-    | PreparedDecay
-    | WaveletResult
-    | RestoringForceResult
-    | Comparison
-    | DecayCurves
-    | Diagnosis
-    | Ladder,
-) -> Picture:
-    """Return a picture of a result of `identify`; TypeError where there is none for it."""
-    for kind, drawing in _DRAWINGS:
-        if isinstance(result, kind):
-            with inked(PAPER):
-                return drawing(result)
+def draw(result: object) -> Picture:
+    """Draw a result of `identify`; TypeError where there is no picture for it."""
+    with inked(PAPER):
+        return _drawn(result)
+
+
+@singledispatch
+def _drawn(result: object) -> Picture:
     raise TypeError(f"there is no picture of a {type(result).__name__}")
 
 
+@_drawn.register
 def _free_decay(decay: FreeDecay) -> Picture:
     units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s²"}
     present = [name for name in units if getattr(decay, name) is not None]
@@ -56,6 +49,7 @@ def _free_decay(decay: FreeDecay) -> Picture:
     return picture
 
 
+@_drawn.register
 def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
     picture, axes = figure(PAPER, 3.2, 1, 2)
@@ -68,14 +62,17 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     return picture
 
 
+@_drawn.register
 def _wavelet(found: WaveletResult) -> Picture:
     return identification_figures.envelope(found, "SI", 0.0)
 
 
+@_drawn.register
 def _restoring_force(found: RestoringForceResult) -> Picture:
     return identification_figures.sections(found, found.offset.unit.partition("/")[0])
 
 
+@_drawn.register
 def _diagnosis(found: Diagnosis) -> Picture:
     place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
     prepared, base = found.baseline.decays[place], found.baseline.fit
@@ -86,24 +83,19 @@ def _diagnosis(found: Diagnosis) -> Picture:
     return diagnosis_figures.force_maps(panels, prepared.window.unit)
 
 
+@_drawn.register
 def _curves(found: DecayCurves) -> Picture:
     count = 1 + max(curve.release for curve in found.releases)
     return diagnosis_figures.curves(found, [f"release {1 + n}" for n in range(count)])
 
 
+@_drawn.register
 def _ladder(found: Ladder) -> Picture:
     names = [row[0] for row in found.brief().rows]
     steps = list(zip(names, (step.fit for step in found.steps), strict=True))
     return comparison_figures.front([*steps[:1], *steps[1:][-1:]])
 
 
-_DRAWINGS: tuple[tuple[type, Callable[[Any], Picture]], ...] = (
-    (FreeDecay, _free_decay),
-    (PreparedDecay, _prepared),
-    (WaveletResult, _wavelet),
-    (RestoringForceResult, _restoring_force),
-    (Comparison, comparison_figures.phase_plane),
-    (DecayCurves, _curves),
-    (Diagnosis, _diagnosis),
-    (Ladder, _ladder),
-)
+@_drawn.register
+def _comparison(found: Comparison) -> Picture:
+    return comparison_figures.phase_plane(found)
