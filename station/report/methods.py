@@ -34,8 +34,6 @@ def methods(found: Findings) -> Section:
         "Residual against the order of damping (circle: the order chosen), and significance of the terms."
     )
     parts.append(Figure(caption, draw.orders(result)))
-    caption = "Measured (grey) and reconstructed signals (dark), and the residual of the reconstruction."
-    parts.append(Figure(caption, draw.reconstruction(result)))
     if force is not None:
         parts.append(Figure("Sections of the restoring force surface.", draw.sections(force, length)))
     return Section("methods", TITLE, tuple(parts))

@@ -13,14 +13,14 @@ NAME = "identification.json"
 class RecordDocument(Part):
     """What was recorded; the noise of each channel is its standard deviation, None without that channel."""
 
-    rate_hz: float
+    rate_hz: float = Field(validation_alias=AliasChoices("rate_hz", "rate"))
     samples: int
     lost_samples: int
     channels: list[str]
     unit: str
-    mass_kg: float | None
-    mass_std_kg: float | None
-    rate_std_hz: float | None = None
+    mass_kg: float | None = Field(validation_alias=AliasChoices("mass_kg", "mass"))
+    mass_std_kg: float | None = Field(validation_alias=AliasChoices("mass_std_kg", "mass_std"))
+    rate_std_hz: float | None = Field(None, validation_alias=AliasChoices("rate_std_hz", "rate_std"))
     noise: dict[str, Number]
 
 
@@ -120,41 +120,25 @@ def identification_document(
     name: str, result: Identification, options: Options | None = None
 ) -> IdentificationDocument:
     """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
+    decay, release, rate = result.decay, result.release, result.decay.rate
     return IdentificationDocument.of(
         result,
         format=1,
         session=name,
-        record=_record(result),
-        release=_release(result),
+        record=RecordDocument.of(
+            decay,
+            samples=len(decay),
+            lost_samples=result.lost_samples,
+            channels=[name for name in MOTION if getattr(decay, name) is not None],
+            noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
+        ),
+        release=ReleaseDocument.of(
+            release,
+            amplitude=amplitude(result),
+            end_s=release.end / rate,
+            rest_s=(release.rest[0] / rate, release.rest[1] / rate),
+        ),
         orders=options,
-    )
-
-
-def _record(result: Identification) -> RecordDocument:
-    decay = result.decay
-    return RecordDocument(
-        rate_hz=decay.rate,
-        samples=len(decay),
-        lost_samples=result.lost_samples,
-        channels=[name for name in MOTION if getattr(decay, name) is not None],
-        unit=decay.unit,
-        mass_kg=decay.mass,
-        mass_std_kg=decay.mass_std,
-        rate_std_hz=decay.rate_std,
-        noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
-    )
-
-
-def _release(result: Identification) -> ReleaseDocument:
-    release, rate = result.release, result.decay.rate
-    return ReleaseDocument(
-        time_s=float(release.time_s),
-        std_s=float(release.std_s),
-        kind=release.kind,
-        amplitude=amplitude(result),
-        index=int(release.index),
-        end_s=release.end / rate,
-        rest_s=(release.rest[0] / rate, release.rest[1] / rate),
     )
 
 

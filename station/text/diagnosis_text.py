@@ -145,7 +145,7 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
 def parameters(found: SuspectDocument | FindingDocument) -> str:
     """Write the values of a suspect or of a sensor's fault, and the channel that it is in."""
     known = not isinstance(found, SuspectDocument) or found.strength_known
-    values = with_names(found.parameters, " = ") if known else [STRENGTH_UNKNOWN]
+    values = with_names(found.parameters) if known else [STRENGTH_UNKNOWN]
     return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
 
 
@@ -219,10 +219,7 @@ def _of_effect(parameter: str) -> str:
 def found_in_sensor(finding: FindingDocument, *, advice: bool = False) -> str:
     """Say what was found of a sensor's fault that every fit corrects, in a clause; with `advice` what to do about it."""
     where = f" in the {finding.channel}" if finding.channel else ""
-    words = (
-        typeset(finding.words)
-        or f"{finding.title}{where} ({', '.join(with_names(finding.parameters, ' = '))})"
-    )
+    words = typeset(finding.words) or f"{finding.title}{where} ({', '.join(with_names(finding.parameters))})"
     return f"{words}; {finding.what_to_do}" if advice else words
 
 

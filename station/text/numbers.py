@@ -57,8 +57,8 @@ def with_unit(found: Estimated) -> str:
     return f"{number}{SPACE}{typeset_unit(found.unit)}".rstrip()
 
 
-def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
-    """Write "fc 80.0 ± 1.2 Hz" for each parameter; the range where every release has its own ("fc[0]", "fc[1]")."""
+def with_names(found: Mapping[str, Estimated]) -> list[str]:
+    """Write "fc = 80.0 ± 1.2 Hz" for each parameter; the range where every release has its own ("fc[0]", "fc[1]")."""
     groups: dict[str, list[Estimated]] = {}
     for name, value in found.items():
         groups.setdefault(name.partition("[")[0], []).append(value)
@@ -69,7 +69,7 @@ def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
             sizes = [or_nan(one.value) for one in values]
             unit = typeset_unit(values[0].unit)
             text = f"{min(sizes):.3g} to {max(sizes):.3g} {unit} in {len(values)} releases".replace("  ", " ")
-        texts.append(f"{typeset_symbol(name)}{between}{text}")
+        texts.append(f"{typeset_symbol(name)} = {text}")
     return texts
 
 

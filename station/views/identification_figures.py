@@ -13,7 +13,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded, three_figures
-from station.views.figure import Picture, both, curve, figure, joined, literal, points, zero_lines
+from station.views.figure import Picture, curve, figure, joined, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -155,46 +155,6 @@ def _significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> Non
     axis.grid(axis="y", visible=False)
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
     axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
-
-
-def reconstruction(result: Identification) -> Picture:
-    """Draw the decay and the restoring force, measured and reconstructed, and the residual: figures 5 and 6."""
-    wavelet, force, length = result.wavelet, result.restoring_force, result.decay.unit
-    begin = result.release.time_s
-    rows = 2 * ((wavelet is not None) + (force is not None))
-    drawn, axes = figure(PAPER, 1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
-    free = iter(axes)
-    if wavelet is not None:
-        factor, name = scale(wavelet.channel, length)
-        fine = scale(wavelet.channel, length, fine=True)
-        measured, model = (values * factor for values in result.rebuilt_decay(wavelet))
-        words = (f"{wavelet.channel}\n[{name}]", fine[1], "rebuilt, wavelet")
-        _rebuilt((next(free), next(free)), wavelet.time - begin, measured, model, fine[0] / factor, words)
-    if force is not None:
-        label = f"{length}/s^2"
-        words = (f"force per unit\nmass [{label}]", label, "fitted, restoring force")
-        _rebuilt((next(free), next(free)), force.time - begin, force.force, force.force_fit, 1.0, words)
-    for place in range(0, rows, 2):
-        axes[place].legend(loc="upper right", ncols=2)
-        axes[place].margins(y=0.16)
-    axes[-1].set_xlabel(SINCE)
-    return drawn
-
-
-def _rebuilt(
-    axes: tuple["Axes", "Axes"],
-    time: Array,
-    measured: Array,
-    model: Array,
-    fine: float,
-    words: tuple[str, ...],
-) -> None:
-    """Draw a measurement and its model, and under them the residual times `fine`; `words` name axis, unit and model."""
-    label, unit, name = words
-    both(axes[0], time, measured, model, ("measured", name), PAPER)
-    axes[0].set_ylabel(literal(label))
-    curve(axes[1], time, (measured - model) * fine, color=PAPER.residual, lw=0.7)
-    axes[1].set_ylabel(literal(f"residual [{unit}]"))
 
 
 def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:
