@@ -133,7 +133,7 @@ def write_document(session: Session, name: str, document: Document) -> None:
     session.write_result(name, to_text(document))
 
 
-def to_text(document: Document) -> str:
+def to_text(document: BaseModel) -> str:
     """Return the text of a document as it is kept."""
     return document.model_dump_json(indent=2) + "\n"
 
