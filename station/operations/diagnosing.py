@@ -10,12 +10,8 @@ from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
 from station.operations.current_model import CurrentModel, current_model
 from station.operations.session_set import SessionSet, declared, open_sessions, whole_library
 from station.output import print_json
-from station.results.diagnosis_document import (
-    DiagnosisDocument,
-    diagnosis_document,
-    refused_document,
-    write_diagnosis,
-)
+from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document, refused_document
+from station.results.documents import write_document
 from station.settings import Settings
 from station.story.pipeline import Progress, diagnose, silent
 from station.text.next_step import command_line
@@ -113,7 +109,7 @@ def diagnose_sessions(
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:
     """Write results/diagnosis.json into each session."""
     for session in sessions.sessions:
-        write_diagnosis(session, document)
+        write_document(session, NAME, document)
 
 
 def refuse_if_too_little(document: DiagnosisDocument) -> None:

@@ -15,7 +15,7 @@ from station.views.diagnosis_figures import measured_curve as draw_curve
 
 TITLE = "The equation of motion"
 FAR = 4.0
-SEGMENTS = "these values are those of {} pieces of the record that share the physics."
+SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
 
 CURVE = (
     "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
@@ -59,7 +59,7 @@ def caution(compared: Compared) -> str:
         return ""
     return (
         f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
-        "allow for that as for a slow drift of the motion; a force that is missing may have moved the parameters by more."
+        "allow for a slow drift of the motion. A missing force may have moved the parameters by more."
     )
 
 

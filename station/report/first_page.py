@@ -17,9 +17,9 @@ from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"
 COVERS = (
-    "Every error is one standard uncertainty. The value's own covers readings and clock only. Calibration is that of the "
-    "sensors' certificates, as far as it enters the value; mass is as it was stated. The total is their combination after "
-    "GUM; it is not determined where a part of it was not stated."
+    "Every error is one standard uncertainty. The error beside a value covers readings and clock. Calibration comes from "
+    "the sensors' certificates, the mass from the operator. The total combines all of them (GUM); it is not determined "
+    "where one that enters the value was not stated."
 )
 
 

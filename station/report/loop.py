@@ -44,7 +44,7 @@ def suspects(found: Findings) -> Section:
     shape = document.shape
     if shape is not None and shape.curves:
         caption = (
-            f"The free form of what has no name; it explains {100 * shape.explained:.0f} % of the residual."
+            f"The missing force in free form; it explains {100 * shape.explained:.0f} % of the residual."
         )
         parts.append(Figure(caption, draw.shape(shape.curves[0])))
     known = document.suspects[0].confusable_with if document.named and document.suspects else []

@@ -33,7 +33,7 @@ from station.results.diagnosis_parts import (
     UsedDocument,
     WalkDocument,
 )
-from station.results.documents import Document, FreeRunErrors, ModelSummary, read_document, write_document
+from station.results.documents import Document, FreeRunErrors, ModelSummary, read_document
 from station.results.models import ModelFile, model_file
 
 NAME = "diagnosis.json"
@@ -178,11 +178,6 @@ def read_diagnosis(session: Session) -> DiagnosisDocument | None:
     Raises UsageProblem when it was altered or another version wrote it.
     """
     return read_document(session, NAME, DiagnosisDocument, "diagnose again")
-
-
-def write_diagnosis(session: Session, document: DiagnosisDocument) -> None:
-    """Write results/diagnosis.json."""
-    write_document(session, NAME, document)
 
 
 def _noise_floor(baseline: Baseline) -> dict[str, Any]:

@@ -13,8 +13,8 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     words = [
         f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
         "a cycle or more; its band is two standard errors, from the scatter of its neighbours. The damping ratio is that of "
-        "the viscous damper that would take as much: a cycle loses 4π times it of the energy. A linear spring with viscous "
-        "damping draws two level lines."
+        "the viscous damper that would take as much energy: each cycle loses 4π times that ratio of it. A linear spring "
+        "with viscous damping draws two level lines."
     ]
     if any(laid.curves for laid in found.laws):
         words.append(

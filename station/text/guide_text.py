@@ -58,7 +58,7 @@ class GuideScreen:
         """Print the verdict and the odds."""
         self._console.print()
         if document is None:
-            self._console.print(labelled("told nothing", turn.problem))
+            self._console.print(labelled("no result", turn.problem))
             return
         late = "" if turn.judged_s is None else f"   {turn.judged_s:.1f} s after the end"
         line = Text(f" {headline(document)}", style=STYLES[tone_of(document)])

@@ -22,7 +22,9 @@ def told(ladder: KeptLadder, weighing: Weighing | None = None) -> Told:
     if ladder.present > 0:
         changed = changed_parameters(ladder.steps[ladder.present - 1], ladder.top, weighing)
     above = len(ladder.steps) - 1 - ladder.present
-    going = f"{above} step{'s' if above > 1 else ''}: `--to N` goes there, adding drops them" if above else ""
+    going = ""
+    if above:
+        going = f"{above} step{'s' if above > 1 else ''}; `--to N` goes there, and adding an effect drops what is above"
     rows = [("changed" if not n else "", text) for n, text in enumerate(changed)]
     return Told(
         sentence(ladder.stopped_because) or "The residual, step by step",
