@@ -137,14 +137,6 @@ def curve(axis: "Axes", time: Array, values: Array, **how: Any) -> None:
     axis.plot(*thinned(time, values), **how)
 
 
-def both(
-    axis: "Axes", time: Array, measured: Array, model: Array, names: tuple[str, str], look: Look
-) -> None:
-    """Draw a measurement as a broad line and a model as a thin one over it."""
-    curve(axis, time, measured, color=look.broad, lw=2.4, label=names[0], solid_capstyle="round")
-    curve(axis, time, model, color=look.model, lw=0.8, label=names[1])
-
-
 def zero_lines(axis: "Axes", look: Look) -> None:
     """Draw the axes through zero."""
     axis.axhline(0, color=look.faint, lw=0.7)
