@@ -21,7 +21,7 @@ from station.operations.session_set import SessionSet
 from station.results import diagnosis_document
 from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.diagnosis_fits import DiagnosisFits, refitted
+from station.results.force_maps import NamedMaps, kept_force_maps
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
@@ -47,7 +47,7 @@ class Findings:
     compared: Compared | None = None
     first: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
-    fits: DiagnosisFits | None = None
+    maps: NamedMaps = ()
     curves: NamedCurves | None = None
     ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
@@ -116,7 +116,7 @@ def _draw_from(found: Findings, refinement: Refinement, settings: Settings) -> N
     """Take what the pictures of a diagnosis are drawn from."""
     document, prepared, library = found.diagnosis, refinement.prepared, refinement.library
     if document is not None:
-        found.fits = refitted(document, prepared, library)
+        found.maps = kept_force_maps(document, prepared, library)
         found.curves = kept_curves(found.session, prepared, document, library, settings)
 
 

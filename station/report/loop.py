@@ -2,6 +2,7 @@
 
 from station.report.findings import Findings
 from station.report.section import Section
+from station.story.preparation import length_unit
 from station.text import ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
 from station.text.curves_text import curves_caption
@@ -24,14 +25,12 @@ def suspects(found: Findings) -> Section:
     meant = tuple((s.effect, s.title, parameters(s)) for s in shown_suspects(document))
     if meant:
         parts.append(Table("", ("effect", "what it is", "values"), meant, texts=3))
-    if found.fits is not None and found.fits.best:
+    if found.maps:
         caption = (
             "The force that the model lacks over the cycle (0°: farthest out), and what the best suspects would add. "
             "The right one looks like the first picture."
         )
-        maps = [("what the model lacks", found.fits.missing_force())]
-        maps += [(term.effect.name, added) for term, added in found.fits.added_forces()]
-        parts.append(Figure(caption, draw.force_maps(maps, found.fits.prepared.window.unit)))
+        parts.append(Figure(caption, draw.force_maps(found.maps, length_unit(found.recording))))
     elif "force_maps" in found.left_out:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     if found.curves is not None:

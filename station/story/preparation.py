@@ -119,7 +119,7 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
         force=force if force is None or options.mass is None else force / options.mass,
         mass=options.mass,
         mass_std=options.mass_std,
-        unit=_displacement_unit(recording),
+        unit=length_unit(recording),
         rate_std=recording.rate_std,
         stated_lag=_stated_lag(recording),
     )
@@ -131,7 +131,7 @@ def motion_channels(recording: Recording) -> dict[str, Channel]:
     return {channel.quantity: channel for channel in last_first if channel.quantity in MOTION}
 
 
-def _displacement_unit(recording: Recording) -> str:
+def length_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
     return units[0].split("/")[0] if units else "m"

@@ -7,17 +7,16 @@ import numpy as np
 from identify.comparison.compare import Comparison
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.force_map import force_added, force_left, force_map
 from identify.diagnosis.ladder import Ladder
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.results.force_maps import MOST, force_maps
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER
 
-MOST_SUSPECTS = 3
 MEASURED, MODEL = PAPER.measured, PAPER.model
 
 
@@ -76,11 +75,8 @@ def _restoring_force(found: RestoringForceResult) -> Picture:
 def _diagnosis(found: Diagnosis) -> Picture:
     place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
     prepared, base = found.baseline.decays[place], found.baseline.fit
-    panels = [("missing", force_map(prepared, force_left(prepared, base)))]
-    for suspect in [s for s in found.suspects if s.effect.name in s.fit.model][:MOST_SUSPECTS]:
-        force = force_added(prepared, base, suspect.fit, suspect.term, place)
-        panels.append((suspect.effect.name, force_map(prepared, force)))
-    return diagnosis_figures.force_maps(panels, prepared.window.unit)
+    best = [(s.term, s.fit) for s in found.suspects if s.effect.name in s.fit.model][:MOST]
+    return diagnosis_figures.force_maps(force_maps(prepared, base, best, place), prepared.window.unit)
 
 
 @_drawn.register
