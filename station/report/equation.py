@@ -4,11 +4,10 @@ import re
 
 from identify.fitting.fit import Fit
 from station.report.findings import Findings
-from station.report.section import Section
 from station.story.compared import Compared
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
-from station.text.content import Equation, Figure, Paragraph, Part, Table, left_out
+from station.text.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
 from station.views.diagnosis_figures import measured_curve as draw_curve

@@ -1,10 +1,9 @@
 """The sections of the loop: the suspects with what is not distinguishable, and the ladder."""
 
 from station.report.findings import Findings
-from station.report.section import Section
 from station.story.preparation import length_unit
 from station.text import ladder_text
-from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
+from station.text.content import Figure, Paragraph, Part, Section, Table, facts, left_out
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import parameters, shown_suspects, told
 from station.text.numbers import typeset

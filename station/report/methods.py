@@ -1,8 +1,7 @@
 """The appendix of both identifications, side by side: the paper's tables and figures, quotable or not."""
 
 from station.report.findings import Findings
-from station.report.section import Section
-from station.text.content import Figure, Paragraph, Part, facts, left_out
+from station.text.content import Figure, Paragraph, Part, Section, facts, left_out
 from station.text.identification_text import methods_table, reasons, told
 from station.text.numbers import with_unit
 from station.views import identification_figures as draw

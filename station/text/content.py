@@ -85,6 +85,15 @@ class Told:
     more: tuple[Part, ...] = ()
 
 
+@dataclass(frozen=True)
+class Section:
+    """A section of the report; `name` is its anchor."""
+
+    name: str
+    title: str
+    parts: tuple[Part, ...]
+
+
 def facts(rows: Iterable[tuple[str, str]]) -> tuple[Facts, ...]:
     """Make one part of the rows that have a text; none where no row has any."""
     kept = tuple((label, text) for label, text in rows if text)

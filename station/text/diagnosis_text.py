@@ -156,10 +156,12 @@ def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
         if suspect.effect not in document.named:
             continue
         text = parameters(suspect)
-        name, value = next(iter(suspect.parameters.items()), (None, None))
-        if weighing and name and suspect.strength_known and value is not None and value.value is not None:
-            whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
-            text += f" ({name} times the mass: {with_unit(whole)})" if whole is not None else ""
+        if (
+            weighing
+            and suspect.strength_known
+            and (whole := weighing.strength(suspect.effect, suspect.parameters))
+        ):
+            text += f" ({whole[0]} times the mass: {with_unit(whole[1])})"
         texts.append(f"{plain_name(suspect.effect)}: {text}" if len(document.named) > 1 else text)
     return "; ".join(texts)
 

@@ -82,12 +82,7 @@ def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing | N
 
 def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
     """Write the strengths of a step with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
-    found = {}
-    for entry in step.model.effects:
-        name, value = next(iter(entry.parameters.items()), (None, None))
-        if name is None or value is None:
-            continue
-        whole = weighing.strength(entry.effect, value.value, value.std, value.unit)
-        if whole is not None:
-            found[f"{entry.effect}.{name}"] = with_unit(whole)
-    return found
+    found = {entry.effect: weighing.strength(entry.effect, entry.parameters) for entry in step.model.effects}
+    return {
+        f"{effect}.{whole[0]}": with_unit(whole[1]) for effect, whole in found.items() if whole is not None
+    }
