@@ -39,11 +39,9 @@ class Options:
 def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:
     """Return the mass as given here, by the session or by the settings, and the orders from the settings."""
     info, specimen, orders = session.info, settings.specimen, settings.identify
-    if mass is not None:
-        return Options(mass, None, orders.max_order, orders.stiffness_orders)
-    if info.mass_kg is not None:
-        return Options(info.mass_kg, info.mass_std_kg, orders.max_order, orders.stiffness_orders)
-    return Options(specimen.mass_kg, specimen.mass_std_kg, orders.max_order, orders.stiffness_orders)
+    stated = info if info.mass_kg is not None else specimen
+    known = (stated.mass_kg, stated.mass_std_kg) if mass is None else (mass, None)
+    return Options(*known, orders.max_order, orders.stiffness_orders)
 
 
 def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing | None:

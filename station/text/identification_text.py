@@ -24,19 +24,18 @@ KINDS = {
     "in_motion": "already moving at the start",
 }
 METHODS = (("wavelet", "wavelet"), ("restoring_force", "force"))
+TONES: dict[bool | None, Tone] = {True: "good", False: "bad", None: "unsure"}
 
 
 def told(name: str, result: Identification) -> Told:
     """Tell one identification."""
-    found = result.adequacy
-    if found is None:
-        reason = result.refusals.get("adequacy", "")
-        words, tone = f"{reason} Do not quote its values." if reason else "Nothing was identified.", "unsure"
-    else:
-        words, tone = sentence(judgement(found)), "good" if found.quotable else "bad"
-    tones: dict[str, Tone] = {"good": "good", "bad": "bad", "unsure": "unsure"}
+    found, tone = result.adequacy, TONES[None if result.adequacy is None else result.adequacy.quotable]
+    reason = result.refusals.get("adequacy", "")
+    words = f"{reason} Do not quote its values." if reason else "Nothing was identified."
+    if found is not None:
+        words = sentence(judgement(found))
     table = (methods_table(result),) if result.wavelet or result.restoring_force else ()
-    return Told(f"{name}: {words}", tones[tone], (*facts(_facts(result)), *table, *facts(reasons(result))))
+    return Told(f"{name}: {words}", tone, (*facts(_facts(result)), *table, *facts(reasons(result))))
 
 
 def next_command(result: Identification) -> str:

@@ -87,33 +87,25 @@ class Picture(Figure):
 
 
 def figure(
-    look: Look, height: float, rows: int = 1, columns: int = 1, width: float = WIDTH, **how: Any
+    look: Look, height: float, rows: int | str = 1, columns: int = 1, width: float = WIDTH, **how: Any
 ) -> tuple[Picture, list["Axes"]]:
-    """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`."""
+    """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`.
+
+    `rows` may be a mosaic, as "aa;bc" for a wide pair of axes over two others.
+    """
     with inked(look):
         made = Picture(figsize=(width, height), dpi=150, layout="constrained")
-        axes = made.subplots(rows, columns, squeeze=False, **how)
+        if isinstance(rows, str):
+            axes = list(made.subplot_mosaic(rows, **how).values())
+        else:
+            axes = list(made.subplots(rows, columns, squeeze=False, **how).ravel())
     made.look = look
-    return made, list(axes.ravel())
+    return made, axes
 
 
 def literal(text: str) -> str:
     """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
     return typeset(text).replace("$", r"\$")
-
-
-def joined(drawn: Picture, cells: list["Axes"]) -> "Axes":
-    """Put one pair of axes in place of several neighbouring ones."""
-    places = [cell.get_subplotspec() for cell in cells]
-    first, last = places[0], places[-1]
-    assert first is not None
-    assert last is not None
-    for cell in cells:
-        cell.remove()
-    rows = slice(first.rowspan.start, last.rowspan.stop)
-    columns = slice(first.colspan.start, last.colspan.stop)
-    made: Axes = drawn.add_subplot(first.get_gridspec()[rows, columns])
-    return made
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:

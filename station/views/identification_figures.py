@@ -13,7 +13,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded, three_figures
-from station.views.figure import Picture, curve, figure, joined, literal, points, zero_lines
+from station.views.figure import Picture, curve, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -55,9 +55,7 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
     time = found.time - release
     factor, name = scale("displacement", length)
-    drawn, axes = figure(PAPER, 3.9, 2, 2, width_ratios=[2.2, 1])
-    top, _, below, _ = axes
-    backbone = joined(drawn, axes[1::2])
+    drawn, (top, backbone, below) = figure(PAPER, 3.9, "ab;cb", width_ratios=[2.2, 1])
     curve(top, time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
     curve(top, time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
     top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
