@@ -19,9 +19,10 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     if any(laid.curves for laid in found.laws):
         words.append(
             "Thin line: the usual model, as close as it comes to these curves. Thick line: the model with what is named, "
-            "run freely and seen in the same way. Broken line: an effect that explains nearly as much. Each line has the "
-            "linear stiffness and viscous damping of its own release."
+            "run freely and seen in the same way. Broken line: an effect that explains nearly as much."
         )
+        if many:
+            words.append("Every line has the linear stiffness and viscous damping of its own release.")
     left = [name for place, name in enumerate(names) if place not in {c.release for c in found.releases}]
     if left:
         words.append(f"Too short for a curve: {', '.join(left)}.")
