@@ -1,7 +1,5 @@
 """What a command prints: one JSON object on stdout when asked, progress and errors on stderr."""
 
-import json
-import math
 import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -23,20 +21,11 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def print_json(document: dict[str, Any]) -> None:
     """Print one JSON object on stdout; numbers that are not finite become null, as JSON has none."""
-    text = json.dumps(finite(document), indent=2, ensure_ascii=False, allow_nan=False)
+    from pydantic_core import to_json
+
+    text = to_json(document, indent=2, inf_nan_mode="null").decode()
     sys.stdout.write(text.translate(ESCAPED) + "\n")
     sys.stdout.flush()
-
-
-def finite(value: Any) -> Any:
-    """Return `value` with every float that is not finite replaced by None, all the way down."""
-    if isinstance(value, dict):
-        return {str(key): finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def progress(text: str) -> None:

@@ -1,5 +1,6 @@
 """What a library's refusal of a value means, in a clause for the person who gave it."""
 
+import re
 from typing import Any
 
 from pydantic import ValidationError
@@ -8,47 +9,20 @@ from station.suggestions import did_you_mean
 
 LONGEST = 200
 
-_WORDS = {
-    "greater_than": "must be above {gt}",
-    "greater_than_equal": "must be at least {ge}",
-    "less_than": "must be below {lt}",
-    "less_than_equal": "must be at most {le}",
-    "finite_number": "must be a finite number",
-    "string_too_long": "has more than {max_length} characters",
-    "too_long": "has more than {max_length} entries",
-    "too_short": "has fewer than {min_length} entries",
-    "missing": "is missing",
-    "string_type": "must be a text",
-    "bool_type": "must be true or false",
-    "literal_error": "must be {expected}",
-    "json_invalid": "is not JSON ({error})",
-}
-_KINDS = (("float", "must be a number"), ("int", "must be a whole number"), ("tuple", "must be a list"),
-          ("list", "must be a list"), ("dict", "must be a table"), ("model", "must be a table"),
-          ("path", "must be a path"))  # fmt: skip
-
 
 def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
-    """Find where a document or a setting is wrong and how: "specimen.mass_kg must be above 0 (it is -3)"."""
+    """Find where a document or a setting is wrong and how: "specimen.mass_kg must be greater than 0 (it is -3)"."""
     first = error.errors(include_url=False)[0]
     entry = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
         return one_line(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
+    words = re.sub(r"^\w+ should", "must", str(first["msg"]))
+    words = re.split(r", unable to | or instance of ", words)[0].replace("be a valid", "be a")
+    words = words.replace("Field required", "is missing")
     given = first.get("input")
-    shown = f" (it is {_plain(given)})" if isinstance(given, int | float | str) else ""
-    if first["type"] in ("missing", "json_invalid", "string_too_long"):
-        shown = ""
-    words = f"{_clause(str(first['type']), first.get('ctx', {}), str(first['msg']))}{shown}"
-    return one_line(f"{entry} {words}" if entry else f"the text {words}")
-
-
-def _clause(kind: str, context: dict[str, Any], message: str) -> str:
-    if kind in _WORDS:
-        return _WORDS[kind].format(**{name: _plain(value) for name, value in context.items()})
-    for start, words in _KINDS:
-        if kind.startswith(start):
-            return words
-    return f"cannot be used ({message[:1].lower()}{message[1:]})"
+    if words.startswith("must be") and isinstance(given, int | float | str):
+        words += f" (it is {_plain(given)})"
+    return one_line(f"{entry} {words}".strip())
 
 
 def _plain(value: Any) -> Any:

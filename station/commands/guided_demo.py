@@ -30,4 +30,4 @@ def play_guided(
         hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
         print_json(document.plain() | {"hidden": hidden})
     else:
-        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now", 12))
+        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now"))

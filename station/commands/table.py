@@ -56,7 +56,7 @@ def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: b
         )
     tables = table.make_tables(documents)
     if as_json:
-        print_json(table.as_json(tables))
+        print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:
         writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
         click.echo(writers[form](tables), nl=False)

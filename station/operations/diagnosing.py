@@ -8,11 +8,8 @@ from station.exits import UsageProblem
 from station.operations.current_model import CurrentModel, current_model
 from station.operations.session_set import SessionSet
 from station.own_effects import whole_library
-from station.results.diagnosis_document import (
-    DiagnosisDocument,
-    diagnosis_document,
-    write_diagnosis,
-)
+from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
+from station.results.documents import write_document
 from station.story.pipeline import Progress, diagnose, silent
 from station.text.next_step import command_line
 
@@ -81,4 +78,4 @@ def diagnose_sessions(
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:
     """Write results/diagnosis.json into each session."""
     for session in sessions.sessions:
-        write_diagnosis(session, document)
+        write_document(session, NAME, document)

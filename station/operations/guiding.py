@@ -20,11 +20,7 @@ from station.operations.diagnosing import keep
 from station.operations.provisional import Provisional
 from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import SessionSet
-from station.results.diagnosis_document import (
-    DiagnosisDocument,
-    diagnosis_document,
-    next_release_document,
-)
+from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import Several

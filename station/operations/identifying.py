@@ -20,7 +20,7 @@ from station.story.pipeline import identify, with_adequacy
 from station.story.preparation import Options, locate, options_for, prepare_recording
 
 if TYPE_CHECKING:
-    from station.views.tab import Tab
+    from station.views.log import Tab
 
 VIEW = "identification.rrd"
 

@@ -26,9 +26,9 @@ from station.exits import UsageProblem
 from station.operations.current_model import first_model
 from station.operations.record_floor import prepare_with_floor
 from station.own_effects import whole_library
-from station.results.documents import Errors, seen
+from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
-from station.results.models import known_model, name_of, parsed_effect, written
+from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.residual import residual_words
@@ -104,7 +104,7 @@ def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
 
 def step_again(refinement: Refinement, step: KeptStep) -> Step:
     """Fit a kept step again from its values, unless this was done before."""
-    found = refinement.fitted.get(written(step.model))
+    found = refinement.fitted.get(to_text(step.model))
     if found is None:
         known = known_model(step.model, "the ladder", refinement.library)
         found = first_step((refinement.prepared,), known.model, known.values | step.nuisances)
@@ -115,7 +115,7 @@ def step_again(refinement: Refinement, step: KeptStep) -> Step:
 def _remember(refinement: Refinement, step: KeptStep, found: Step) -> None:
     while len(refinement.fitted) >= MOST_FITTED:
         del refinement.fitted[next(iter(refinement.fitted))]
-    refinement.fitted[written(step.model)] = found
+    refinement.fitted[to_text(step.model)] = found
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:

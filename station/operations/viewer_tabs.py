@@ -11,20 +11,16 @@ from station.results.ladder import LADDER
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from station.views.tab import Tab
+    from station.views.log import Tab
 
 
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
-    """Lay out the Ladder tab of a session; each step's fit is found again from its values."""
-    from station.views import ladder
-    from station.views.tab import Tab
+    """Make the Ladder tab of a session; each step's fit is found again from its values."""
+    from station.views.ladder import FittedLadder
 
     kept = refinement.ladder
     fits = tuple(step_again(refinement, step).fit for step in kept.steps[: kept.present + 1])
-    fitted = ladder.FittedLadder(refinement.session.folder.name, kept, fits)
-    return Tab(
-        ladder.NAME, lambda stream: ladder.write(stream, fitted, root), lambda: ladder.tab(fitted, root)
-    )
+    return FittedLadder(refinement.session.folder.name, kept, fits, root).tab
 
 
 def kept_tabs(session: Session, settings: Settings) -> tuple["Tab", ...]:
@@ -43,7 +39,7 @@ def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
 
     Every call draws under a path of its own, since what a viewer has drawn of a step before may differ.
     """
-    from station.views.open_viewer import url_or_new
+    from station.views.viewer import url_or_new
 
     url = at or url_or_new()
     if url is None:
@@ -51,5 +47,5 @@ def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
     from station.views import show
 
     tab = ladder_tab(refinement, f"/ladder/{time.time_ns()}")
-    show.send_tabs(url, f"{refinement.session.folder.name}-model", (tab,))
+    show.send_tab(url, f"{refinement.session.folder.name}-model", tab)
     return True

@@ -2,22 +2,19 @@
 
 import re
 
-from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from station.report.findings import Findings
-from station.report.section import Section
 from station.story.compared import Compared
-from station.story.engineering_values import times_mass
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
-from station.text.content import Equation, Figure, Paragraph, Part, Table, left_out
+from station.text.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
 TITLE = "The equation of motion"
 FAR = 4.0
-SEGMENTS = "these values are those of {} pieces of the record that share the physics."
+SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
 
 CURVE = (
     "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
@@ -41,7 +38,7 @@ def equation(found: Findings) -> Section:
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
             f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}."
         ),
-        _parameters(fit, compared.comparison.unit, found),
+        _parameters(fit),
     ]
     expressions = () if found.ladder is None else found.ladder.top.model.expressions
     for curve in measured_curves(fit, expressions):
@@ -61,7 +58,7 @@ def caution(compared: Compared) -> str:
         return ""
     return (
         f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
-        "allow for that as for a slow drift of the motion; a force that is missing may have moved the parameters by more."
+        "allow for a slow drift of the motion. A missing force may have moved the parameters by more."
     )
 
 
@@ -89,33 +86,13 @@ def _typeset_equation(text: str) -> str:
     return raised.replace("u''", "ü", 1)
 
 
-def _parameters(fit: Fit, length: str, found: Findings) -> Table:
-    mass = found.options.mass
+def _parameters(fit: Fit) -> Table:
     rows = []
     for term in fit.model.terms:
         meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
-        for position, (name, value) in enumerate(fit.of(term, 0).items()):
-            cells = (term.effect.name, typeset_symbol(name), meanings[name])
-            row: tuple[str, ...] = (
-                *cells,
-                with_error(value.value, value.std),
-                typeset_unit(value.unit) or "1",
-            )
-            if mass is not None:
-                strength = position == 0 and term.is_force
-                row = (*row, _times(value, found) if strength else "")
-            rows.append(row)
-    head: tuple[str, ...] = ("effect", "parameter", "meaning", "value", "unit")
-    if mass is not None:
-        head = (*head, f"times {'the inertia' if length == 'rad' else 'the mass'}")
+        for name, value in fit.of(term, 0).items():
+            unit = typeset_unit(value.unit) or "1"
+            number = with_error(value.value, value.std)
+            rows.append((term.effect.name, typeset_symbol(name), meanings[name], number, unit))
+    head = ("effect", "parameter", "meaning", "value", "unit")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)
-
-
-def _times(value: Estimate, found: Findings) -> str:
-    """Return a strength times the mass, the error of the mass in it; "" where that has no unit of its own."""
-    unit = "m" if found.compared is None else found.compared.comparison.unit
-    mass, mass_std = found.options.mass or 1.0, found.options.mass_std
-    whole = times_mass(value, mass, mass_std, unit)
-    if whole is None:
-        return ""
-    return f"{with_error(whole.value, whole.std)}{SPACE}{typeset_unit(whole.unit)}"

@@ -1,10 +1,9 @@
 """The section of the comparison: how large the errors of the current model are, what they mean, and where it fails."""
 
 from station.report.findings import Findings
-from station.report.section import Section
 from station.story.compared import Compared
 from station.text.comparison_text import told
-from station.text.content import Figure, Part, left_out
+from station.text.content import Figure, Part, Section, left_out
 from station.views import comparison_figures as draw
 from station.views.palette import PAPER, Look
 

@@ -1,5 +1,7 @@
 """What a report is made of: all that is known of a session, and why the rest is left out."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from daq.errors import StationError
@@ -19,7 +21,7 @@ from station.operations.session_set import SessionSet
 from station.results import diagnosis_document
 from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.diagnosis_fits import DiagnosisFits, refitted
+from station.results.force_maps import NamedMaps, kept_force_maps
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
@@ -45,7 +47,7 @@ class Findings:
     compared: Compared | None = None
     first: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
-    fits: DiagnosisFits | None = None
+    maps: NamedMaps = ()
     curves: NamedCurves | None = None
     ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
@@ -60,42 +62,35 @@ def gather(
     left out and says why.
     """
     found = Findings(session, session.recording(), kept_options(session, settings, mass))
-    _identify(found)
-    _compare(found, settings, mass)
+    with _or_say_why(found, "identification", NotIdentifiable):
+        found.identification, found.document = identify_session(session, found.options)
+    with _or_say_why(found, "comparison", Problem, NotIdentifiable):
+        found.compared, _ = compare_session(session, settings, mass=mass)
     if diagnose:
-        _diagnose(found, settings, progress)
+        with _or_say_why(found, "suspects", NotIdentifiable):
+            sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
+            _, document = diagnose_sessions(sessions, progress=progress)
+            keep(sessions, document)
     refinement = _refinement(found, settings)
-    _read_diagnosis(found, refinement, settings)
-    if refinement is not None and (session.results / LADDER).is_file():
-        _first(found, refinement, settings)
-    try:
+    with _or_say_why(found, "suspects", UsageProblem):
+        found.diagnosis = read_diagnosis(session)
+    if refinement is not None:
+        with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
+            _draw_from(found, refinement, settings)
+        if (session.results / LADDER).is_file():
+            _take_ladder(found, refinement, settings)
+    with _or_say_why(found, "checksums", StationError):
         found.manifest = session.manifest()  # last, as it knows the results that were just written
-    except StationError as error:
-        found.left_out["checksums"] = str(error)
     return found
 
 
-def _identify(found: Findings) -> None:
+@contextmanager
+def _or_say_why(found: Findings, name: str, *refusals: type[Exception]) -> Iterator[None]:
+    """Leave a part of the report out where it cannot be had, with the reason."""
     try:
-        found.identification, found.document = identify_session(found.session, found.options)
-    except NotIdentifiable as refusal:
-        found.left_out["identification"] = str(refusal)
-
-
-def _compare(found: Findings, settings: Settings, mass: float | None) -> None:
-    try:
-        found.compared, _ = compare_session(found.session, settings, mass=mass)
-    except (Problem, NotIdentifiable) as refusal:
-        found.left_out["comparison"] = str(refusal)
-
-
-def _diagnose(found: Findings, settings: Settings, progress: Progress) -> None:
-    try:
-        sessions = SessionSet((found.session,), (prepare_with_floor(found.session, settings),))
-        _, document = diagnose_sessions(sessions, progress=progress)
-        keep(sessions, document)
-    except NotIdentifiable as refusal:
-        found.left_out["suspects"] = str(refusal)
+        yield
+    except refusals as refusal:
+        found.left_out[name] = str(refusal)
 
 
 def _refinement(found: Findings, settings: Settings) -> Refinement | None:
@@ -111,28 +106,21 @@ def _refinement(found: Findings, settings: Settings) -> Refinement | None:
     try:
         return open_refinement(found.session, settings)
     except (NotIdentifiable, UsageProblem) as refusal:
-        for name, there in zip(("force_maps", "ladder"), kept, strict=True):
-            if there:
-                left_out[name] = str(refusal)
+        left_out |= {
+            name: str(refusal) for name, there in zip(("force_maps", "ladder"), kept, strict=True) if there
+        }
         return None
 
 
-def _read_diagnosis(found: Findings, refinement: Refinement | None, settings: Settings) -> None:
-    try:
-        found.diagnosis = read_diagnosis(found.session)
-    except UsageProblem as problem:
-        found.left_out["suspects"] = str(problem)
-    if found.diagnosis is None or refinement is None:
-        return
-    prepared, library = refinement.prepared, refinement.library
-    try:
-        found.fits = refitted(found.diagnosis, prepared, library)
-        found.curves = kept_curves(found.session, prepared, found.diagnosis, library, settings)
-    except UsageProblem as problem:  # an effect of a file that is not at hand
-        found.left_out["force_maps"] = str(problem)
+def _draw_from(found: Findings, refinement: Refinement, settings: Settings) -> None:
+    """Take what the pictures of a diagnosis are drawn from."""
+    document, prepared, library = found.diagnosis, refinement.prepared, refinement.library
+    if document is not None:
+        found.maps = kept_force_maps(document, prepared, library)
+        found.curves = kept_curves(found.session, prepared, document, library, settings)
 
 
-def _first(found: Findings, refinement: Refinement, settings: Settings) -> None:
+def _take_ladder(found: Findings, refinement: Refinement, settings: Settings) -> None:
     """Take the ladder, and compare the model that it began with."""
     ladder = found.ladder = refinement.ladder
     if ladder.present > 0 and found.compared is not None:

@@ -10,16 +10,16 @@ from station.story.adequacy import judgement, scale_doubt
 from station.story.budget import Budget, budget, calibration_of
 from station.story.engineering_values import EngineeringValue, engineering_values
 from station.story.residual import residual_words
-from station.text.content import Figure, Paragraph, Part, Table, Tone, facts
+from station.text.content import Figure, Paragraph, Part, Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import DASH, three_figures, typeset_unit, with_error
 from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"
 COVERS = (
-    "Every error is one standard uncertainty. The value's own covers readings and clock only. Calibration is that of the "
-    "sensors' certificates, as far as it enters the value; mass is as it was stated. The total is their combination after "
-    "GUM; it is not determined where a part of it was not stated."
+    "Every error is one standard uncertainty. The error beside a value covers readings and clock. Calibration comes from "
+    "the sensors' certificates, the mass from the operator. The total combines all of them (GUM); it is not determined "
+    "where one that enters the value was not stated."
 )
 
 
@@ -32,18 +32,8 @@ class Explaining:
     left: str
 
 
-@dataclass(frozen=True)
-class FirstPage:
-    """What stands on it: the verdict and whether it is good, what was measured, and the parts of the result."""
-
-    verdict: str
-    tone: Tone
-    measured: tuple[Part, ...]
-    parts: tuple[Part, ...]
-
-
-def first_page(found: Findings) -> FirstPage:
-    """Put the first page together."""
+def first_page(found: Findings) -> Told:
+    """Put the first page together: the verdict, in brief what was measured, and the parts of the result."""
     model = explaining(found)
     verdict = sentence(_nothing_explains(found)) if model is None else _explained(model)
     parts: list[Part] = []
@@ -52,7 +42,7 @@ def first_page(found: Findings) -> FirstPage:
             "Measurement and model, run freely from the release; below, the residual and the noise (2 std.)."
         )
         if found.first is not None:
-            caption = f"{caption[:-1]}, before ({found.first.words}) and after ({found.compared.words}); mind the scales."
+            caption = f"{caption[:-1]}, before ({found.first.words}) and after ({found.compared.words}); the scales differ."
         shown = [(c.words, c.baseline.fit) for c in (found.first, found.compared) if c is not None]
         parts.append(Figure(caption, front(shown)))
     if model is not None:
@@ -60,7 +50,7 @@ def first_page(found: Findings) -> FirstPage:
         aligned = None if found.identification is None else found.identification.alignment
         doubt = "" if aligned is None else scale_doubt(aligned.gain)
         parts += [Paragraph(doubt)] if doubt else []
-    return FirstPage(verdict, "bad" if model is None else "good", _measured(found), tuple(parts))
+    return Told(verdict, "bad" if model is None else "good", _measured(found), tuple(parts))
 
 
 def _measured(found: Findings) -> tuple[Part, ...]:

@@ -5,8 +5,7 @@ from datetime import UTC
 from daq.recording import Channel
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
-from station.report.section import Section
-from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
+from station.text.content import Facts, Figure, Paragraph, Part, Section, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence

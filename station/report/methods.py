@@ -1,8 +1,7 @@
 """The appendix of both identifications, side by side: the paper's tables and figures, quotable or not."""
 
 from station.report.findings import Findings
-from station.report.section import Section
-from station.text.content import Figure, Paragraph, Part, facts, left_out
+from station.text.content import Figure, Paragraph, Part, Section, facts, left_out
 from station.text.identification_text import methods_table, reasons, told
 from station.text.numbers import with_unit
 from station.views import identification_figures as draw
@@ -34,9 +33,6 @@ def methods(found: Findings) -> Section:
         "Residual against the order of damping (circle: the order chosen), and significance of the terms."
     )
     parts.append(Figure(caption, draw.orders(result)))
-    caption = "Measured (grey) and reconstructed signals (dark), and the residual of the reconstruction."
-    parts.append(Figure(caption, draw.reconstruction(result)))
     if force is not None:
-        parts.append(Figure("Restoring force surface with the measured points.", draw.surface(force, length)))
-        parts.append(Figure("Sections of the surface.", draw.sections(force, length)))
+        parts.append(Figure("Sections of the restoring force surface.", draw.sections(force, length)))
     return Section("methods", TITLE, tuple(parts))

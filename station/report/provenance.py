@@ -4,8 +4,7 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from station.report.findings import Findings
-from station.report.section import Section
-from station.text.content import Facts, Paragraph, Part, Table
+from station.text.content import Facts, Paragraph, Part, Section, Table
 
 PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 TITLE = "Software and checksums"

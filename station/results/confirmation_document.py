@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import AliasChoices, Field
+
 from identify.curves.confirmation import Confirmation
 from identify.curves.curve_regression import HeldOut
 from station.results.documents import Number, Part
@@ -12,9 +14,9 @@ AMPLITUDES = ("large amplitudes", "middle amplitudes", "small amplitudes")
 class PredictionErrors(Part):
     """Errors of a prediction, in % of the motion: of the envelope, of the phase, and of both together."""
 
-    envelope_percent: Number
-    phase_percent: Number
-    motion_percent: Number
+    envelope_percent: Number = Field(validation_alias=AliasChoices("envelope_percent", "envelope"))
+    phase_percent: Number = Field(validation_alias=AliasChoices("phase_percent", "phase"))
+    motion_percent: Number = Field(validation_alias=AliasChoices("motion_percent", "motion"))
 
 
 class PartErrors(PredictionErrors):
@@ -39,8 +41,8 @@ class ConfirmedEffectDocument(Part):
     name: str
     title: str
     explains: Literal["frequency", "loss"]
-    before_percent: Number
-    after_percent: Number
+    before_percent: Number = Field(validation_alias=AliasChoices("before_percent", "before"))
+    after_percent: Number = Field(validation_alias=AliasChoices("after_percent", "after"))
     better: int
     parts: int
     rivals: list[str]
@@ -69,12 +71,7 @@ class ConfirmationDocument(Part):
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
     """Return a confirmation on some sessions as it is kept."""
     names = _names(found, sessions)
-    effects = [
-        ConfirmedEffectDocument.of(
-            one, title=one.term.effect.title, before_percent=one.before, after_percent=one.after
-        )
-        for one in found.effects
-    ]
+    effects = [ConfirmedEffectDocument.of(one, title=one.term.effect.title) for one in found.effects]
     usual, with_effects = _errors(found.usual, names), _errors(found.found, names)
     return ConfirmationDocument.of(found, usual=usual, found=with_effects, effects=effects)
 
@@ -94,15 +91,6 @@ def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _errors(held: HeldOut, names: tuple[str, ...]) -> PredictedErrors:
-    by_part = [
-        PartErrors(
-            part=name, envelope_percent=one.envelope, phase_percent=one.phase, motion_percent=one.motion
-        )
-        for name, one in zip(names, held.predicted, strict=True)
-    ]
-    return PredictedErrors(
-        envelope_percent=held.typical("envelope"),
-        phase_percent=held.typical("phase"),
-        motion_percent=held.typical("motion"),
-        by_part=by_part,
-    )
+    by_part = [PartErrors.of(one, part=name) for name, one in zip(names, held.predicted, strict=True)]
+    kinds = {kind: held.typical(kind) for kind in ("envelope", "phase", "motion")}
+    return PredictedErrors.model_validate(kinds | {"by_part": by_part})

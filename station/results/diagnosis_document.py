@@ -3,222 +3,41 @@
 from dataclasses import replace
 from typing import Any
 
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
 from daq.session import Session
 from identify.comparison.shared_physics import SharedPhysics
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import NextRelease
-from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Verdict
-from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.model_error import errors_of
 from identify.fitting.validation import LeftOut
 from identify.model.model import Model
-from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
-from station.results.documents import (
-    ChannelNoise,
-    Document,
-    Errors,
-    EstimateDocument,
-    Number,
-    Numbers,
-    Part,
-    read_document,
-    write_document,
+from station.results.diagnosis_parts import (
+    DifferenceDocument,
+    FindingDocument,
+    HeldOutDocument,
+    HypothesisDocument,
+    ModeDocument,
+    NextReleaseDocument,
+    NoiseFloorDocument,
+    ReleaseValueDocument,
+    ShapeDocument,
+    SharesDocument,
+    SuspectDocument,
+    UsedDocument,
+    WalkDocument,
 )
+from station.results.documents import Document, FreeRunErrors, ModelSummary, read_document
 from station.results.models import ModelFile, model_file
-from station.results.shares_document import SharesDocument
-from station.results.walk_document import WalkDocument
 
 NAME = "diagnosis.json"
-MOST_POINTS = 40
-MOST_CURVES = 2
 MORE_DATA = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
-
-
-class ModelSummary(Part):
-    """The model that was diagnosed."""
-
-    effects: list[str] = Field(validation_alias=AliasChoices("names", "effects"))
-    equation: str
-    parameters: dict[str, EstimateDocument]
-
-
-class ErrorDocument(Errors):
-    """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
-
-    chi2_std: Number = Field(None, validation_alias=AliasChoices("chi2_std", "floor_std"))
-    horizon_s: Number = None
-
-
-class ChannelFloor(ChannelNoise):
-    """The noise of one channel with its unit."""
-
-    unit: str
-
-
-class HarmonicsDocument(Part):
-    """Power of the residual at the motion's harmonics, relative to noise of the level between them, and its p-value."""
-
-    ratio: Number
-    p_value: Number
-    against: bool
-
-
-class NoiseFloorDocument(Part):
-    """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
-
-    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
-    it speaks against the model, None where it was not asked.
-    """
-
-    chi2: float
-    chi2_std: float
-    channels: dict[str, ChannelFloor]
-    sure: bool | None = None
-    harmonics: HarmonicsDocument | None = None
-
-
-class SuspectDocument(Part):
-    """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it.
-
-    `confirmed` says whether it predicts what it was not fitted to, None where that was not asked or curves cannot show
-    it; `rivals` are effects that explain the record, or predict, as well. `motion_percent` is what the model refitted
-    with it leaves of the motion, `error_after` the same as chi2.
-    """
-
-    effect: str
-    title: str
-    kind: Kind
-    channel: str | None
-    error_after: Number
-    evidence: Number
-    parameters: dict[str, EstimateDocument]
-    confusable_with: list[str]
-    plausible: bool
-    claimed: bool
-    model: ModelFile | None
-    confirmed: bool | None = None
-    rivals: list[str] = Field(default_factory=list)
-    motion_percent: Number = None
-    strength_known: bool = True
-
-
-class FindingDocument(Part):
-    """A sensor's fault that every fit corrects, and that ought to be mended; `words` say what was found, in a clause."""
-
-    effect: str
-    title: str
-    channel: str | None
-    parameters: dict[str, EstimateDocument]
-    chi2_drop: Number
-    what_to_do: str
-    words: str = ""
-
-
-class CurveDocument(Part):
-    """The missing force per unit mass along one coordinate."""
-
-    coordinate: str
-    unit: str
-    position: Numbers
-    force_per_mass: Numbers
-    std: Numbers
-
-
-class ShapeDocument(Part):
-    """The free form of what has no name: the share of the rest that it explains, and its curves."""
-
-    explained: float
-    coordinates: list[str]
-    curves: list[CurveDocument]
-
-
-class HeldOutDocument(Part):
-    """The error on one session of physics that was fitted to the others; None where the free run diverges."""
-
-    session: str
-    chi2: Number
-    motion_percent: Number
-
-
-class DifferenceDocument(Part):
-    """In what a session, alone, differs from the first: in % of its value, and in standard errors."""
-
-    session: str
-    parameter: str
-    percent: Number
-    sigmas: Number
-
-
-class ReleaseValueDocument(Part):
-    """A parameter of the final model as one session has it, and by how much that is off the one of all, in %."""
-
-    session: str
-    parameter: str
-    value: EstimateDocument
-    percent: Number
-
-
-class UsedDocument(Part):
-    """The part of a session's record that was analysed, s from its first reading, and why it ends there.
-
-    `share` is that part of what follows the release; `missing_s` how long readings are missing where that ends it.
-    """
-
-    session: str
-    begin_s: Number
-    end_s: Number
-    length_s: Number
-    share: Number
-    ended: End
-    missing_s: Number
-    words: str
-
-
-class ModeDocument(Part):
-    """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
-
-    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
-    percent: Number
-    channel: str
-    words: str
-
-
-class HypothesisDocument(Part):
-    """What may be true: the effects beyond the model that was asked about, and the odds, 0 to 1 over all hypotheses."""
-
-    names: list[str]
-    title: str
-    odds: Number
-
-
-class NextReleaseDocument(Part):
-    """The release that is expected to tell most `between` two hypotheses, with the evidence expected of it, nats.
-
-    `amplitude` is signed, in `unit`; of a `push` what it swings to. `scatter` is the standard deviation; `same_nats` the
-    evidence of the same amplitude again. `longer` and `faster` are multiples of the record's length and rate; `rested` means
-    some seconds of rest before. `tells_more` is false where no release decides; `words` say all of it.
-    """
-
-    amplitude: Number
-    unit: str
-    push: bool
-    longer: Number
-    faster: Number
-    rested: bool
-    between: list[str]
-    nats: Number
-    scatter: Number
-    same_nats: Number
-    tells_more: bool
-    words: str
 
 
 class DiagnosisDocument(Document):
@@ -239,7 +58,7 @@ class DiagnosisDocument(Document):
 
     sessions: list[str]
     model: ModelSummary
-    error: ErrorDocument
+    error: FreeRunErrors
     noise_floor: NoiseFloorDocument | None
     verdict: Verdict
     named: list[str]
@@ -247,7 +66,7 @@ class DiagnosisDocument(Document):
     suspects: list[SuspectDocument]
     together: list[str]
     findings: list[FindingDocument]
-    error_with_named: ErrorDocument | None
+    error_with_named: FreeRunErrors | None
     shape: ShapeDocument | None
     held_out: list[HeldOutDocument] | None
     explanation: str
@@ -296,8 +115,9 @@ def diagnosis_document(
         suspects=[_suspect(suspect, found, expressions) for suspect in in_order(found)],
         findings=[_finding(fault) for fault in found.findings],
         error_with_named=errors_of(replace(baseline, fit=found.final)),
-        shape=None if found.shape is None else _shape(found.shape),
-        held_out=None if left_out is None else _held_out(names, left_out),
+        held_out=None
+        if left_out is None
+        else [HeldOutDocument.of(one, session=names[one.index]) for one in left_out],
         hypotheses=_hypotheses(found),
         next_release=next_release_document(found.next_release),
         fitted=fitted,
@@ -360,11 +180,6 @@ def read_diagnosis(session: Session) -> DiagnosisDocument | None:
     return read_document(session, NAME, DiagnosisDocument, "diagnose again")
 
 
-def write_diagnosis(session: Session, document: DiagnosisDocument) -> None:
-    """Write results/diagnosis.json."""
-    write_document(session, NAME, document)
-
-
 def _noise_floor(baseline: Baseline) -> dict[str, Any]:
     unit = baseline.fit.windows[0].unit
     units = {"displacement": unit, "velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}
@@ -408,11 +223,8 @@ def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | N
     """Return a chosen release as it is kept; None where none was chosen."""
     if chosen is None:
         return None
-    best, same_nats = chosen.best, None if chosen.same is None else chosen.same.nats
-    experiment = vars(best.experiment)
-    return NextReleaseDocument.of(
-        chosen, nats=best.nats, scatter=best.scatter, same_nats=same_nats, **experiment
-    )
+    best = chosen.best
+    return NextReleaseDocument.of(chosen, nats=best.nats, scatter=best.scatter, **vars(best.experiment))
 
 
 def _finding(fault: CorrectedFault) -> FindingDocument:
@@ -422,23 +234,5 @@ def _finding(fault: CorrectedFault) -> FindingDocument:
         effect=effect.name,
         title=effect.title,
         channel=fault.term.channel or None,
-        chi2_drop=fault.drop,
         what_to_do=effect.confirming_test,
     )
-
-
-def _shape(shape: NonparametricForce) -> ShapeDocument:
-    curves = [
-        CurveDocument.of(
-            curve,
-            position=curve.position[:MOST_POINTS],
-            force_per_mass=curve.force[:MOST_POINTS],
-            std=curve.std[:MOST_POINTS],
-        )
-        for curve in shape.shapes[:MOST_CURVES]
-    ]
-    return ShapeDocument.of(shape, curves=curves)
-
-
-def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[HeldOutDocument]:
-    return [HeldOutDocument.of(one, session=names[one.index], chi2=one.chi_square) for one in left_out]

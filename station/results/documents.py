@@ -27,7 +27,10 @@ Number = Annotated[float | None, BeforeValidator(_finite)]
 """A number; None where it is not finite, as JSON has no other way to say so."""
 
 Numbers = Annotated[list[Number], BeforeValidator(_as_list)]
-Table = Annotated[list[list[Number]], BeforeValidator(_as_list)]
+
+
+def _names(own: str, alias: object) -> list[Any]:
+    return alias.choices if isinstance(alias, AliasChoices) else [own]
 
 
 class Part(BaseModel):
@@ -37,9 +40,10 @@ class Part(BaseModel):
 
     @classmethod
     def of(cls, result: object, **others: Any) -> Self:
-        """Make a part of the fields that a result has under the same names, and of the `others`."""
-        alike = [name for name in cls.model_fields if name not in others and hasattr(result, name)]
-        return cls.model_validate({name: getattr(result, name) for name in alike} | others)
+        """Make a part of the fields that a result has under the same names, or under their aliases, and of the `others`."""
+        names = [name for own, field in cls.model_fields.items() if own not in others
+                 for name in _names(own, field.validation_alias) if hasattr(result, name)]  # fmt: skip
+        return cls.model_validate({name: getattr(result, name) for name in names} | others)
 
     def plain(self) -> dict[str, Any]:
         """Return the keys and values that `--json` prints."""
@@ -86,6 +90,21 @@ class Errors(Part):
         return residual_words(self.motion_percent, self.chi2)
 
 
+class FreeRunErrors(Errors):
+    """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
+
+    chi2_std: Number = Field(None, validation_alias=AliasChoices("chi2_std", "floor_std"))
+    horizon_s: Number = None
+
+
+class ModelSummary(Part):
+    """A model with its values."""
+
+    effects: list[str] = Field(validation_alias=AliasChoices("names", "effects"))
+    equation: str
+    parameters: dict[str, EstimateDocument]
+
+
 Kept = TypeVar("Kept", bound=Document)
 
 
@@ -114,7 +133,7 @@ def write_document(session: Session, name: str, document: Document) -> None:
     session.write_result(name, to_text(document))
 
 
-def to_text(document: Document) -> str:
+def to_text(document: BaseModel) -> str:
     """Return the text of a document as it is kept."""
     return document.model_dump_json(indent=2) + "\n"
 

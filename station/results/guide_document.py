@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from identify.diagnosis.guidance import State
-from station.results.diagnosis_document import HypothesisDocument, NextReleaseDocument
+from station.results.diagnosis_parts import HypothesisDocument, NextReleaseDocument
 from station.results.documents import Document, Number, Part
 
 NAME = "guide.json"

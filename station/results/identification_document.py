@@ -13,14 +13,14 @@ NAME = "identification.json"
 class RecordDocument(Part):
     """What was recorded; the noise of each channel is its standard deviation, None without that channel."""
 
-    rate_hz: float
+    rate_hz: float = Field(validation_alias=AliasChoices("rate_hz", "rate"))
     samples: int
     lost_samples: int
     channels: list[str]
     unit: str
-    mass_kg: float | None
-    mass_std_kg: float | None
-    rate_std_hz: float | None = None
+    mass_kg: float | None = Field(validation_alias=AliasChoices("mass_kg", "mass"))
+    mass_std_kg: float | None = Field(validation_alias=AliasChoices("mass_std_kg", "mass_std"))
+    rate_std_hz: float | None = Field(None, validation_alias=AliasChoices("rate_std_hz", "rate_std"))
     noise: dict[str, Number]
 
 
@@ -32,7 +32,6 @@ class ReleaseDocument(Part):
     kind: str
     amplitude: Number
     index: int
-    settled_s: float
     end_s: float
     rest_s: tuple[float, float]
 
@@ -55,7 +54,6 @@ class MethodDocument(Part):
     reason: str
     mse_percent_by_order: list[Number]
     stiffness_by_order: dict[str, EstimateDocument]
-    stiffness_per_mass: EstimateDocument
 
 
 class WaveletDocument(MethodDocument):
@@ -69,7 +67,6 @@ class WaveletDocument(MethodDocument):
 class RestoringForceDocument(MethodDocument):
     """What the restoring force surface found."""
 
-    mse_percent: Number
     significance_percent: dict[str, Number]
     offset: EstimateDocument
     mass: EstimateDocument | None
@@ -107,7 +104,6 @@ class IdentificationDocument(Document):
     alignment: AlignmentDocument | None
     wavelet: WaveletDocument | None
     restoring_force: RestoringForceDocument | None
-    restoring_force_without_alignment: RestoringForceDocument | None
     refusals: dict[str, str]
     adequacy: AdequacyDocument | None = None
     orders: OrdersDocument | None = None
@@ -124,43 +120,25 @@ def identification_document(
     name: str, result: Identification, options: Options | None = None
 ) -> IdentificationDocument:
     """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
+    decay, release, rate = result.decay, result.release, result.decay.rate
     return IdentificationDocument.of(
         result,
         format=1,
         session=name,
-        record=_record(result),
-        release=_release(result),
-        restoring_force_without_alignment=result.without_alignment,
+        record=RecordDocument.of(
+            decay,
+            samples=len(decay),
+            lost_samples=result.lost_samples,
+            channels=[name for name in MOTION if getattr(decay, name) is not None],
+            noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
+        ),
+        release=ReleaseDocument.of(
+            release,
+            amplitude=amplitude(result),
+            end_s=release.end / rate,
+            rest_s=(release.rest[0] / rate, release.rest[1] / rate),
+        ),
         orders=options,
-    )
-
-
-def _record(result: Identification) -> RecordDocument:
-    decay = result.decay
-    return RecordDocument(
-        rate_hz=decay.rate,
-        samples=len(decay),
-        lost_samples=result.lost_samples,
-        channels=[name for name in MOTION if getattr(decay, name) is not None],
-        unit=decay.unit,
-        mass_kg=decay.mass,
-        mass_std_kg=decay.mass_std,
-        rate_std_hz=decay.rate_std,
-        noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
-    )
-
-
-def _release(result: Identification) -> ReleaseDocument:
-    release, rate = result.release, result.decay.rate
-    return ReleaseDocument(
-        time_s=float(release.time_s),
-        std_s=float(release.std_s),
-        kind=release.kind,
-        amplitude=amplitude(result),
-        index=int(release.index),
-        settled_s=release.settle / rate,
-        end_s=release.end / rate,
-        rest_s=(release.rest[0] / rate, release.rest[1] / rate),
     )
 
 

@@ -42,10 +42,8 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
 def _is_in_doubt(file: Path) -> bool:
     try:
         look_at(file).read()
-    except Doubtful:
-        return True
-    except ImportProblem:
-        return False
+    except ImportProblem as refusal:
+        return isinstance(refusal, Doubtful)
     return False
 
 

@@ -8,7 +8,7 @@ from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
-from station.results.models import ModelFile, Value, model_file, written
+from station.results.models import ModelFile, Value, model_file
 from station.story.residual import reaches_floor
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def write_ladder(session: Session, ladder: KeptLadder) -> KeptLadder:
     SessionChanged when the ladder that it continues is another by now: nothing is written then.
     """
     text = to_text(ladder)
-    contents = {LADDER: text, MODEL: written(ladder.top.model)}
+    contents = {LADDER: text, MODEL: to_text(ladder.top.model)}
     session.write_results(contents, seen={LADDER: ladder.seen})
     return ladder.with_(seen=digest(text.encode()))
 

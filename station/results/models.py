@@ -11,7 +11,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
-from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, Term
@@ -80,7 +79,12 @@ def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
         EffectEntry(
             effect=term.effect.name,
             held=dict(term.held),
-            parameters={name: as_value(found) for name, found in fit.of(term, 0).items()},
+            parameters={
+                name: Value(
+                    value=float(e.value), std=float(e.std) if math.isfinite(e.std) else None, unit=e.unit
+                )
+                for name, e in fit.of(term, 0).items()
+            },
         )
         for term in fit.model.terms
     )
@@ -88,20 +92,9 @@ def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
     return ModelFile(equation=fit.model.equation, effects=entries, expressions=used)
 
 
-def as_value(estimate: Estimate) -> Value:
-    """Return an estimate as it is kept."""
-    std = float(estimate.std)
-    return Value(value=float(estimate.value), std=std if math.isfinite(std) else None, unit=estimate.unit)
-
-
 def name_of(expression: str) -> str:
     """Return the name that "magnet = a*u" gives to its effect."""
     return expression.partition("=")[0].strip()
-
-
-def written(model: ModelFile) -> str:
-    """Return the text of a model file."""
-    return model.model_dump_json(indent=2) + "\n"
 
 
 def read_model(file: Path, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:

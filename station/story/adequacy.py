@@ -129,12 +129,13 @@ def farthest(methods: Sequence[Method]) -> tuple[str, float]:
         (damping_name(order), *both)
         for order, both in enumerate(zip(first.damping, other.damping, strict=False))
     ]
-    distances = [(_sigmas(a, b), name) for name, a, b in pairs]
+    distances = [(sigmas_apart(a, b), name) for name, a, b in pairs]
     largest, name = max(distances)
     return name, largest
 
 
-def _sigmas(first: Estimate, other: Estimate) -> float:
+def sigmas_apart(first: Estimate, other: Estimate) -> float:
+    """Count the joint standard errors between two estimates; 0 where these are not known."""
     error = hypot(first.std, other.std)
     return abs(first.value - other.value) / error if 0.0 < error < float("inf") else 0.0
 

@@ -43,10 +43,9 @@ class Compared:
             return ""
         seen = self.comparison
         return (
-            f"The record is long: it is judged in {self.pieces} pieces that share the physics, each begun anew. "
-            f"In one run over {seen.horizon_cycles:.0f} cycles the same model leaves "
-            f"{residual_words(seen.motion_error, seen.chi_square)}, since "
-            "there the phase may drift with clock and temperature; places and cycles are those of that run."
+            f"The record is long: it is judged in {self.pieces} pieces that share the physics. In one run over "
+            f"{seen.horizon_cycles:.0f} cycles the same model leaves {residual_words(seen.motion_error, seen.chi_square)}, "
+            "because the phase may drift with clock and temperature. Places and cycles are those of that run."
         )
 
     @property

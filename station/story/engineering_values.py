@@ -1,7 +1,9 @@
 """What a test report quotes of a fitted model: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from identify.effects.force_effect import LinearPart
 from identify.effects.library import LIBRARY
@@ -70,13 +72,15 @@ class Weighing:
     mass_std: float | None = None
     unit: str = "m"
 
-    def strength(self, effect: str, value: float, std: float | None, unit: str) -> Estimate | None:
-        """Return the strength of a force of the library with the mass in it; None for what is no force of the library."""
-        known = next((e for e in LIBRARY if e.name == effect), None)
-        if known is None or known.kind != "physics":
+    def strength(self, effect: str, parameters: Mapping[str, Any]) -> tuple[str, Estimate] | None:
+        """Find a force's strength, its first parameter, with the mass in it; None for what is no force of the library."""
+        name, found = next(iter(parameters.items()), ("", None))
+        known = any(e.name == effect and e.kind == "physics" for e in LIBRARY)
+        if not known or found is None or found.value is None:
             return None
-        error = math.nan if std is None else std
-        return times_mass(Estimate(value, error, unit), self.mass, self.mass_std, self.unit)
+        error = math.nan if found.std is None else found.std
+        whole = times_mass(Estimate(found.value, error, found.unit), self.mass, self.mass_std, self.unit)
+        return None if whole is None else (name, whole)
 
 
 def engineering_values(

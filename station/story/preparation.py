@@ -39,11 +39,9 @@ class Options:
 def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:
     """Return the mass as given here, by the session or by the settings, and the orders from the settings."""
     info, specimen, orders = session.info, settings.specimen, settings.identify
-    if mass is not None:
-        return Options(mass, None, orders.max_order, orders.stiffness_orders)
-    if info.mass_kg is not None:
-        return Options(info.mass_kg, info.mass_std_kg, orders.max_order, orders.stiffness_orders)
-    return Options(specimen.mass_kg, specimen.mass_std_kg, orders.max_order, orders.stiffness_orders)
+    stated = info if info.mass_kg is not None else specimen
+    known = (stated.mass_kg, stated.mass_std_kg) if mass is None else (mass, None)
+    return Options(*known, orders.max_order, orders.stiffness_orders)
 
 
 def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing | None:
@@ -119,7 +117,7 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
         force=force if force is None or options.mass is None else force / options.mass,
         mass=options.mass,
         mass_std=options.mass_std,
-        unit=_displacement_unit(recording),
+        unit=length_unit(recording),
         rate_std=recording.rate_std,
         stated_lag=_stated_lag(recording),
     )
@@ -131,7 +129,7 @@ def motion_channels(recording: Recording) -> dict[str, Channel]:
     return {channel.quantity: channel for channel in last_first if channel.quantity in MOTION}
 
 
-def _displacement_unit(recording: Recording) -> str:
+def length_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
     return units[0].split("/")[0] if units else "m"

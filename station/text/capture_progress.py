@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
+from rich.bar import Bar
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
@@ -127,19 +128,10 @@ class Watch(CaptureObserver):
         table = Table.grid(padding=(0, 2))
         for channel, value, largest in zip(self._channels, self._last, self._largest, strict=True):
             factor, unit = scale_as_recorded(channel.quantity, channel.unit)
+            share = float(value / largest) if largest > 0.0 else 0.0
             table.add_row(
                 channel.name,
-                Text(bar(float(value), float(largest)), style="cyan"),
+                Bar(2.0, 1.0 + min(share, 0.0), 1.0 + max(share, 0.0), width=BAR, color="cyan"),
                 f"{value * factor:10.3f} {unit}",
             )
         return table
-
-
-def bar(value: float, largest: float) -> str:
-    """Return a level as a bar about its middle, 2 * BAR // 2 + 1 characters wide."""
-    half = BAR // 2
-    share = 0.0 if largest <= 0 else max(-1.0, min(1.0, value / largest))
-    filled = round(abs(share) * half)
-    if share < 0:
-        return " " * (half - filled) + "█" * filled + "│" + " " * half
-    return " " * half + "│" + "█" * filled + " " * (half - filled)

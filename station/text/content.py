@@ -85,6 +85,15 @@ class Told:
     more: tuple[Part, ...] = ()
 
 
+@dataclass(frozen=True)
+class Section:
+    """A section of the report; `name` is its anchor."""
+
+    name: str
+    title: str
+    parts: tuple[Part, ...]
+
+
 def facts(rows: Iterable[tuple[str, str]]) -> tuple[Facts, ...]:
     """Make one part of the rows that have a text; none where no row has any."""
     kept = tuple((label, text) for label, text in rows if text)
@@ -102,7 +111,7 @@ def markdown(parts: Iterable[Part]) -> str:
     for part in parts:
         match part:
             case Facts():
-                blocks.append("\n".join(["| | |", "|---|---|", *(f"| {a} | {b} |" for a, b in part.rows)]))
+                blocks += [f"**{label}**: {text}" if label else text for label, text in part.rows]
             case Table():
                 rule = ["---" if n < part.texts else "---:" for n in range(len(part.head))]
                 lines = [f"| {' | '.join(row)} |" for row in (part.head, tuple(rule), *part.rows)]

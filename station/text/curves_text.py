@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from identify.curves.laid_over import DecayCurves
-from identify.formatting import plain_name
 
 
 def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
@@ -14,19 +13,16 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     words = [
         f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
         "a cycle or more; its band is two standard errors, from the scatter of its neighbours. The damping ratio is that of "
-        "the viscous damper that would take as much: a cycle loses 4π times it of the energy. A linear spring with viscous "
-        "damping draws two level lines."
+        "the viscous damper that would take as much energy: each cycle loses 4π times that ratio of it. A linear spring "
+        "with viscous damping draws two level lines."
     ]
-    laws = {laid.law.role: plain_name(laid.law.name) for laid in found.laws if laid.curves}
-    if "usual" in laws:
-        words.append("Thin line: the usual model, as close as it comes to these curves.")
-    if "named" in laws:
-        words.append(f"Thick line: the model with {laws['named']}, run freely and seen in the same way.")
-    rivals = [plain_name(laid.law.name) for laid in found.laws if laid.law.role == "rival" and laid.curves]
-    if rivals:
-        words.append(f"Broken lines: what explains nearly as much, {' or '.join(rivals)}.")
-    if laws and many:
-        words.append("Every line has the linear stiffness and viscous damping of its own release.")
+    if any(laid.curves for laid in found.laws):
+        words.append(
+            "Thin line: the usual model, as close as it comes to these curves. Thick line: the model with what is named, "
+            "run freely and seen in the same way. Broken line: an effect that explains nearly as much."
+        )
+        if many:
+            words.append("Every line has the linear stiffness and viscous damping of its own release.")
     left = [name for place, name in enumerate(names) if place not in {c.release for c in found.releases}]
     if left:
         words.append(f"Too short for a curve: {', '.join(left)}.")

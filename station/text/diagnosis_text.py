@@ -2,8 +2,9 @@
 
 from identify.diagnosis.verdict import HEADLINES
 from identify.formatting import among, plain_name
-from station.results.confirmation_document import ConfirmationDocument
-from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
+from station.results.confirmation_document import PredictionErrors
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import FindingDocument, SuspectDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
@@ -12,6 +13,7 @@ from station.text.shares_text import shares_tables
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
+PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 
 
@@ -19,6 +21,11 @@ def headline(document: DiagnosisDocument) -> str:
     """Write the verdict in one line."""
     verdict = HEADLINES[document.verdict].upper()
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
+
+
+def tone_of(document: DiagnosisDocument) -> Tone:
+    """Decide how good a verdict is."""
+    return TONES.get(document.verdict, "bad")
 
 
 def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full: bool = False) -> Told:
@@ -38,10 +45,11 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [Paragraph(first)] if first else []
     brief += facts((*said, *record, *differ[:1], *sensor[:1]))
-    more: list[Part] = [Paragraph(typeset(document.explanation)), *shares_tables(document.shares)]
+    more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
+    more += shares_tables(document.shares)
     rest = [("record next", document.next_experiment)] if named else []
     more += facts((*_facts(document), *differ[1:], *sensor[1:], *mend, *rest))
-    return Told(headline(document), TONES.get(document.verdict, "bad"), tuple(brief), tuple(more))
+    return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
 
 
 def _first_sentence(text: str) -> str:
@@ -92,7 +100,7 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def confirmed_by(document: DiagnosisDocument) -> str:
-    """Say on how many other releases, or parts of the record, what is named is confirmed, and its error; "" if none."""
+    """Say on how many other releases, or parts of the record, what is named predicts better, and its error; "" if none."""
     found = document.confirmation
     if found is None or not document.confirmed:
         return ""
@@ -100,34 +108,31 @@ def confirmed_by(document: DiagnosisDocument) -> str:
     what = "all but the large amplitudes" if found.one_record else "the prediction"
     before, after = found.usual.motion_percent, found.found.motion_percent
     return (
-        f"confirmed on {found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
+        f"{found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
         f"{three_figures(after)} % of the motion"
     )
 
 
-def predicted_parts(document: DiagnosisDocument) -> str:
-    """List the error of the prediction on each part that was left out, in % of the motion; "" where it was not asked."""
+def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
+    """Make the table of the errors of prediction on each part that was left out; none where that was not asked."""
     found = document.confirmation
     if found is None or found.driven:
-        return ""
-    parts = []
-    for before, after in zip(found.usual.by_part, found.found.by_part, strict=True):
-        change = f" to {three_figures(after.motion_percent)}" if found.effects else ""
-        parts.append(f"{before.part} {three_figures(before.motion_percent)}{change} %")
-    what = "each part of the amplitudes from the rest" if found.one_record else "each release from the others"
-    return f"{what}, error in % of the motion: {', '.join(parts)} ({_medians(found)})"
+        return ()
+    whole = "all but the large amplitudes" if found.one_record else "median"
+    each = zip(found.usual.by_part, found.found.by_part, strict=True)
+    rows = [(before.part, before, after) for before, after in each] + [(whole, found.usual, found.found)]
+    cells = tuple(
+        (name, *(_predicted(before, after if found.effects else None, kind) for kind in PREDICTED))
+        for name, before, after in rows
+    )
+    change = ", without and with what is confirmed" if found.effects else ""
+    caption = f"Error of the prediction of what was not fitted, in % of the motion{change}"
+    return (Table(caption, ("left out", *PREDICTED), cells),)
 
 
-def _medians(found: ConfirmationDocument) -> str:
-    """List the errors of phase and envelope: their medians, or those of all but the large amplitudes of one record."""
-    parts = []
-    for name, before, after in (
-        ("phase", found.usual.phase_percent, found.found.phase_percent),
-        ("envelope", found.usual.envelope_percent, found.found.envelope_percent),
-    ):
-        change = f" to {three_figures(after)}" if found.effects else ""
-        parts.append(f"{name} {three_figures(before)}{change} %")
-    return f"{'of these' if found.one_record else 'median'}: {', '.join(parts)}"
+def _predicted(before: PredictionErrors, after: PredictionErrors | None, kind: str) -> str:
+    values = [getattr(one, f"{kind}_percent") for one in (before, after) if one is not None]
+    return " to ".join(map(three_figures, values))
 
 
 def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> list[SuspectDocument]:
@@ -140,7 +145,7 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
 def parameters(found: SuspectDocument | FindingDocument) -> str:
     """Write the values of a suspect or of a sensor's fault, and the channel that it is in."""
     known = not isinstance(found, SuspectDocument) or found.strength_known
-    values = with_names(found.parameters, " = ") if known else [STRENGTH_UNKNOWN]
+    values = with_names(found.parameters) if known else [STRENGTH_UNKNOWN]
     return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
 
 
@@ -151,10 +156,12 @@ def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
         if suspect.effect not in document.named:
             continue
         text = parameters(suspect)
-        name, value = next(iter(suspect.parameters.items()), (None, None))
-        if weighing and name and suspect.strength_known and value is not None and value.value is not None:
-            whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
-            text += f" ({name} times the mass: {with_unit(whole)})" if whole is not None else ""
+        if (
+            weighing
+            and suspect.strength_known
+            and (whole := weighing.strength(suspect.effect, suspect.parameters))
+        ):
+            text += f" ({whole[0]} times the mass: {with_unit(whole[1])})"
         texts.append(f"{plain_name(suspect.effect)}: {text}" if len(document.named) > 1 else text)
     return "; ".join(texts)
 
@@ -182,7 +189,7 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         ("together", ", ".join(document.sessions) if len(document.sessions) > 1 else ""),
         ("used", used(document)),
         ("modes", other_modes(document)),
-        ("predicted", predicted_parts(document)),
+        ("confirmed", confirmed_by(document)),
     ]
     shape = document.shape
     if shape is not None and shape.coordinates:
@@ -214,10 +221,7 @@ def _of_effect(parameter: str) -> str:
 def found_in_sensor(finding: FindingDocument, *, advice: bool = False) -> str:
     """Say what was found of a sensor's fault that every fit corrects, in a clause; with `advice` what to do about it."""
     where = f" in the {finding.channel}" if finding.channel else ""
-    words = (
-        typeset(finding.words)
-        or f"{finding.title}{where} ({', '.join(with_names(finding.parameters, ' = '))})"
-    )
+    words = typeset(finding.words) or f"{finding.title}{where} ({', '.join(with_names(finding.parameters))})"
     return f"{words}; {finding.what_to_do}" if advice else words
 
 

@@ -8,7 +8,6 @@ from rich.console import Console
 from rich.text import Text
 
 from identify.effects.effect import Effect, Parameter
-from identify.effects.force_effect import ForceEffect
 from identify.formatting import plain_name
 from station.story.effect_portrait import AMPLITUDES, FREQUENCY, Array, Portrait
 from station.text.content import Table, facts
@@ -41,7 +40,7 @@ def _rows(effect: Effect, portrait: Portrait | None) -> list[tuple[str, str]]:
         ("what it is", f"{effect.title}; {'a force' if physics else 'a fault of a sensor, not a force'}"),
         ("equation", effect.equation + (" (per unit mass)" if physics else "")),
         *((p.name, f"{p.meaning}, {p.unit}, {bounds(p)}") for p in effect.parameters),
-        *(("uses", name) for name in _shared(effect)),
+        *(("uses", name) for name in getattr(effect, "shared_parameters", ())),
         ("shows as", effect.symptom),
         ("proof", effect.confirming_test),
         ("confusable", ", ".join(effect.confusable_with)),
@@ -63,11 +62,6 @@ def _from_to(values: Array) -> str:
     """Write the first and the last of some values; one where they are the same."""
     first, last = (f"{0.0 if abs(value) < 1e-9 else value:.3g}" for value in (values[0], values[-1]))
     return first if first == last else f"{first} to {last}"
-
-
-def _shared(effect: Effect) -> list[str]:
-    """Return the parameters of other effects that a force uses too, by "effect.parameter"."""
-    return list(effect.shared_parameters) if isinstance(effect, ForceEffect) else []
 
 
 def bounds(parameter: Parameter) -> str:
@@ -97,7 +91,7 @@ def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
             }
             for p in effect.parameters
         ],
-        "borrows": _shared(effect),
+        "borrows": list(getattr(effect, "shared_parameters", ())),
         "tell": effect.symptom,
         "proof": effect.confirming_test,
         "confusable_with": list(effect.confusable_with),

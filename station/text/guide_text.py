@@ -1,5 +1,6 @@
 """A guided test in a terminal: what to release and why, and odds that move from release to release."""
 
+from rich.bar import Bar
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
@@ -7,23 +8,23 @@ from rich.text import Text
 
 from daq.capture import CaptureObserver
 from identify.diagnosis.guidance import MOST, Guidance, State
-from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
 from station.text.capture_progress import Watch
-from station.text.diagnosis_text import headline
-from station.text.layout import labelled
+from station.text.content import Told, Tone, facts
+from station.text.diagnosis_text import headline, tone_of
+from station.text.layout import STYLES, labelled, show
 from station.text.numbers import typeset
 
-STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 BAR, NAME, SHOWN = 24, 27, 5
-WIDTH = 12
-ENDINGS: dict[State, tuple[str, str]] = {
-    "confirmed": ("CONFIRMED", "bold green"),
-    "nothing": ("NOTHING IS MISSING", "bold green"),
-    "no_name": ("NO NAME HERE", "bold red"),
-    "alike": ("AS FAR AS THIS RIG CAN TELL", "bold yellow"),
-    "given_up": ("NOT SETTLED", "bold yellow"),
-    "go_on": ("STOPPED", "bold yellow"),
+ENDINGS: dict[State, tuple[str, Tone]] = {
+    "confirmed": ("CONFIRMED", "good"),
+    "nothing": ("NOTHING IS MISSING", "good"),
+    "no_name": ("NO NAME HERE", "bad"),
+    "alike": ("AS FAR AS THIS RIG CAN TELL", "unsure"),
+    "given_up": ("NOT SETTLED", "unsure"),
+    "go_on": ("STOPPED", "unsure"),
 }
 
 
@@ -41,35 +42,35 @@ class GuideScreen:
         self._console.rule(
             Text(f"release {number} of at most {MOST}: {to_do(told)}", style="bold cyan"), align="left"
         )
-        self._console.print(labelled("why", told.words, WIDTH))
+        self._console.print(labelled("why", told.words))
         if not self._alone:
-            self._console.print(labelled("do", "hold it still until it is armed, then let go", WIDTH))
+            self._console.print(labelled("do", "hold it still until it is armed, then let go"))
 
     def observer(self) -> CaptureObserver:
-        """Return what prints the levels of a capture."""
+        """Return the observer that prints the levels of a capture."""
         return Watch()
 
     def provisional(self, answer: str) -> None:
         """Print a first answer while the decay is still running."""
-        self._console.print(labelled("so far", f"{answer} (the decay is still running)", WIDTH))
+        self._console.print(labelled("so far", f"{answer} (the decay is still running)"))
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """Print the verdict and the odds."""
         self._console.print()
         if document is None:
-            self._console.print(labelled("told nothing", turn.problem, WIDTH))
+            self._console.print(labelled("no result", turn.problem))
             return
         late = "" if turn.judged_s is None else f"   {turn.judged_s:.1f} s after the end"
-        line = Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red"))
+        line = Text(f" {headline(document)}", style=STYLES[tone_of(document)])
         self._console.print(line.append(late, style="dim"))
         self._console.print(Padding(odds_chart(turn.hypotheses, self._odds), (0, 0, 0, 1)))
         if told := gave(turn):
-            self._console.print(labelled("it gave", told, WIDTH))
+            self._console.print(labelled("it gave", told))
         self._odds = odds_of(turn.hypotheses)
 
 
 def gave(turn: TurnDocument) -> str:
-    """Return the evidence that a release gave between two hypotheses, beside what was expected of it; "" where none was."""
+    """Say what evidence a release gave between two hypotheses, beside what was expected of it; "" where none was."""
     if turn.gave_nats is None or turn.expected_nats is None:
         return ""
     one, other = turn.between
@@ -78,7 +79,7 @@ def gave(turn: TurnDocument) -> str:
 
 
 def to_do(told: Guidance) -> str:
-    """Return what is to be done with the mass, in a clause."""
+    """Say what to do with the mass, in a clause."""
     assert told.experiment is not None
     one = told.experiment
     size = f"{1e3 * one.amplitude:.3g} mm".replace("-", "−")
@@ -87,7 +88,7 @@ def to_do(told: Guidance) -> str:
 
 
 def odds_chart(hypotheses: list[HypothesisDocument], before: dict[str, float]) -> Table:
-    """Return the odds of each hypothesis as a bar, with what they were before this release."""
+    """Draw the odds of each hypothesis as a bar, with what they were before this release."""
     table = Table.grid(padding=(0, 1, 0, 0))
     table.add_column(width=NAME, no_wrap=True, overflow="ellipsis")
     table.add_column(width=BAR, no_wrap=True)
@@ -96,7 +97,7 @@ def odds_chart(hypotheses: list[HypothesisDocument], before: dict[str, float]) -
     for one in hypotheses[:SHOWN]:
         odds = one.odds or 0.0
         was = Text(odds_before(one, before), style="dim")
-        table.add_row(Text(one.title), Text(bar(odds), style="cyan"), percent(odds), was)
+        table.add_row(Text(one.title), Bar(1.0, 0.0, odds, width=BAR, color="cyan"), percent(odds), was)
     return table
 
 
@@ -106,32 +107,20 @@ def odds_of(hypotheses: list[HypothesisDocument]) -> dict[str, float]:
 
 
 def odds_before(one: HypothesisDocument, before: dict[str, float]) -> str:
-    """Return what the odds of a hypothesis were before the last release, in brackets; "" after the first one."""
+    """Write the odds of a hypothesis before the last release, in brackets; "" after the first one."""
     return f"(was {percent(before[one.title])})" if one.title in before else "(new)" if before else ""
 
 
-def bar(share: float) -> str:
-    """Return a share, 0 to 1, as a bar of eighths of a character."""
-    eighths = round(8 * BAR * max(0.0, min(share, 1.0)))
-    return ("█" * (eighths // 8) + " ▏▎▍▌▋▊▉"[eighths % 8].strip()).ljust(BAR)
-
-
 def percent(share: float) -> str:
-    """Return odds in %."""
+    """Write odds in %."""
     return "under 1 %" if share < 0.01 else "over 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def show_guide(console: Console, document: GuideDocument) -> None:
     """Print how a guided test ended, and where all of it is."""
-    title, style = ENDINGS[document.state]
+    title, tone = ENDINGS[document.state]
+    places = (("report", document.report), ("campaign", document.campaign), ("all of it", document.folder))
     console.print()
-    console.print(Text(f" {title}", style=style))
-    console.print(labelled("because", typeset(document.words), WIDTH))
-    for label, place in (
-        ("report", document.report),
-        ("campaign", document.campaign),
-        ("all of it", document.folder),
-    ):
-        if place is not None:
-            console.print(labelled(label, place, WIDTH))
+    kept = facts((("because", typeset(document.words)), *((label, place or "") for label, place in places)))
+    show(console, Told(title, tone, (), kept), full=True)
     console.print()

@@ -1,10 +1,8 @@
 """An identification as it is told: whether its values may be quoted, both methods side by side, and why."""
 
-from math import hypot
-
 from identify.estimate import Estimate
 from identify.formatting import damping_name, plain_name
-from station.story.adequacy import judgement, scale_doubt
+from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.story.preparation import MOTION
@@ -26,19 +24,18 @@ KINDS = {
     "in_motion": "already moving at the start",
 }
 METHODS = (("wavelet", "wavelet"), ("restoring_force", "force"))
+TONES: dict[bool | None, Tone] = {True: "good", False: "bad", None: "unsure"}
 
 
 def told(name: str, result: Identification) -> Told:
     """Tell one identification."""
-    found = result.adequacy
-    if found is None:
-        reason = result.refusals.get("adequacy", "")
-        words, tone = f"{reason} Do not quote its values." if reason else "Nothing was identified.", "unsure"
-    else:
-        words, tone = sentence(judgement(found)), "good" if found.quotable else "bad"
-    tones: dict[str, Tone] = {"good": "good", "bad": "bad", "unsure": "unsure"}
+    found, tone = result.adequacy, TONES[None if result.adequacy is None else result.adequacy.quotable]
+    reason = result.refusals.get("adequacy", "")
+    words = f"{reason} Do not quote its values." if reason else "Nothing was identified."
+    if found is not None:
+        words = sentence(judgement(found))
     table = (methods_table(result),) if result.wavelet or result.restoring_force else ()
-    return Told(f"{name}: {words}", tones[tone], (*facts(_facts(result)), *table, *facts(reasons(result))))
+    return Told(f"{name}: {words}", tone, (*facts(_facts(result)), *table, *facts(reasons(result))))
 
 
 def next_command(result: Identification) -> str:
@@ -132,9 +129,7 @@ def _damping_rows(name: str, values: list[Estimate | None], result: Identificati
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, ...]:
     unit = next((value.unit for value in values if value is not None), "")
     first, second = values
-    apart = ""
-    if first is not None and second is not None and (joint := hypot(first.std, second.std)) > 0.0:
-        apart = f"{abs(first.value - second.value) / joint:.1f}"
+    apart = "" if first is None or second is None else f"{sigmas_apart(first, second):.1f}"
     cells = [DASH if value is None else with_error(value.value, value.std) for value in values]
     return (name, typeset_unit(unit), *cells, apart)
 

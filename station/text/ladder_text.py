@@ -22,7 +22,9 @@ def told(ladder: KeptLadder, weighing: Weighing | None = None) -> Told:
     if ladder.present > 0:
         changed = changed_parameters(ladder.steps[ladder.present - 1], ladder.top, weighing)
     above = len(ladder.steps) - 1 - ladder.present
-    going = f"{above} step{'s' if above > 1 else ''}: `--to N` goes there, adding drops them" if above else ""
+    going = ""
+    if above:
+        going = f"{above} step{'s' if above > 1 else ''}; `--to N` goes there, and adding an effect drops what is above"
     rows = [("changed" if not n else "", text) for n, text in enumerate(changed)]
     return Told(
         sentence(ladder.stopped_because) or "The residual, step by step",
@@ -80,12 +82,7 @@ def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing | N
 
 def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
     """Write the strengths of a step with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
-    found = {}
-    for entry in step.model.effects:
-        name, value = next(iter(entry.parameters.items()), (None, None))
-        if name is None or value is None:
-            continue
-        whole = weighing.strength(entry.effect, value.value, value.std, value.unit)
-        if whole is not None:
-            found[f"{entry.effect}.{name}"] = with_unit(whole)
-    return found
+    found = {entry.effect: weighing.strength(entry.effect, entry.parameters) for entry in step.model.effects}
+    return {
+        f"{effect}.{whole[0]}": with_unit(whole[1]) for effect, whole in found.items() if whole is not None
+    }

@@ -18,7 +18,7 @@ LABEL_WIDTH = 12
 MOST_LINES, FEWEST = 12, 1
 """Lines that a result takes with the command that comes next, and the facts that are never left out for them."""
 
-TONES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
+STYLES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
 MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
 
 
@@ -37,7 +37,7 @@ def show(console: Console, told: Told, *, full: bool = False) -> None:
 
 
 def _headline(told: Told) -> Padding:
-    return Padding(Text(_plain(told.headline), style=TONES[told.tone]), (0, 1))
+    return Padding(Text(_plain(told.headline), style=STYLES[told.tone]), (0, 1))
 
 
 def _within(console: Console, told: Told) -> tuple[Part, ...]:
@@ -87,12 +87,12 @@ def grid(table: Table) -> Grid:
     return made
 
 
-def labelled(label: str, text: str, width: int = LABEL_WIDTH, style: str = "") -> Grid:
-    """Set a line with its label in a column of `width` characters before it."""
+def labelled(label: str, text: str) -> Grid:
+    """Set a line with its label in a column before it."""
     line = Grid.grid(padding=(0, 1))
-    line.add_column(width=width)
+    line.add_column(width=LABEL_WIDTH)
     line.add_column(overflow="fold")
-    line.add_row(Text(f" {label}", style="cyan"), Text(_plain(text), style=style))
+    line.add_row(Text(f" {label}", style="cyan"), Text(_plain(text)))
     return line
 
 

@@ -2,28 +2,24 @@
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from daq.sources.line_format import LineFormat, Sample
 from daq.sources.source import SourceDescription
+from station.text.content import Table
+from station.text.layout import show_parts
 
 
 def show_lines(console: Console, sample: Sample) -> None:
     """Print the columns with their last number, range and name."""
-    table = Table(box=None, pad_edge=False)
-    for heading in ("column", "name", "last", "smallest", "largest", "standard deviation"):
-        table.add_column(heading, justify="left" if heading in ("column", "name") else "right")
     names = sample.header if len(sample.header) == len(sample.columns) else tuple(sample.columns)
+    rows = []
     for number, (name, values) in enumerate(zip(names, sample.columns.values(), strict=True), 1):
         known = values[np.isfinite(values)]
-        cells = (
-            [f"{v:.6g}" for v in (known[-1], known.min(), known.max(), known.std())]
-            if len(known)
-            else ["-"] * 4
-        )
-        table.add_row(str(number), name, *cells)
-    console.print(f"{len(sample.arrivals)} lines in {sample.arrivals[-1] - sample.arrivals[0]:.2g} s")
-    console.print(table)
+        sizes = (known[-1], known.min(), known.max(), known.std()) if len(known) else ()
+        rows.append((str(number), name, *(f"{size:.6g}" for size in sizes), *["-"] * (4 - len(sizes))))
+    head = ("column", "name", "last", "smallest", "largest", "standard deviation")
+    caption = f"{len(sample.arrivals)} lines in {sample.arrivals[-1] - sample.arrivals[0]:.2g} s"
+    show_parts(console, [Table(caption, head, tuple(rows), texts=2)])
 
 
 def show_format(console: Console, form: LineFormat, found: SourceDescription) -> None:

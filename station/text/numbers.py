@@ -3,10 +3,12 @@
 import math
 import re
 from collections.abc import Mapping
-from typing import Protocol
 
 from identify import formatting
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.estimate import Estimate
+from station.results.documents import EstimateDocument
+from station.results.models import Value
 
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
@@ -15,20 +17,8 @@ _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _LARGE, _SMALL = 1e5, 1e-3
 
 
-class Estimated(Protocol):
-    """A value with its standard error and its unit; None where either is not known."""
-
-    @property
-    def value(self) -> float | None:
-        """The value."""
-
-    @property
-    def std(self) -> float | None:
-        """Its standard error."""
-
-    @property
-    def unit(self) -> str:
-        """Its unit."""
+Estimated = Estimate | EstimateDocument | Value
+"""A value with its standard error and its unit; None in a document where either is not known."""
 
 
 def or_nan(value: float | None) -> float:
@@ -67,8 +57,8 @@ def with_unit(found: Estimated) -> str:
     return f"{number}{SPACE}{typeset_unit(found.unit)}".rstrip()
 
 
-def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
-    """Write "fc 80.0 ± 1.2 Hz" for each parameter; the range where every release has its own ("fc[0]", "fc[1]")."""
+def with_names(found: Mapping[str, Estimated]) -> list[str]:
+    """Write "fc = 80.0 ± 1.2 Hz" for each parameter; the range where every release has its own ("fc[0]", "fc[1]")."""
     groups: dict[str, list[Estimated]] = {}
     for name, value in found.items():
         groups.setdefault(name.partition("[")[0], []).append(value)
@@ -79,7 +69,7 @@ def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
             sizes = [or_nan(one.value) for one in values]
             unit = typeset_unit(values[0].unit)
             text = f"{min(sizes):.3g} to {max(sizes):.3g} {unit} in {len(values)} releases".replace("  ", " ")
-        texts.append(f"{typeset_symbol(name)}{between}{text}")
+        texts.append(f"{typeset_symbol(name)} = {text}")
     return texts
 
 

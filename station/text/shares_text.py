@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from station.results.diagnosis_parts import SharesDocument
 from station.results.documents import EstimateDocument
-from station.results.shares_document import SharesDocument
 from station.text.content import Table
 from station.text.numbers import DASH, scale, three_figures, typeset_unit, with_error
 

@@ -10,7 +10,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Picture, both, curve, figure, joined, literal, points, zero_lines
+from station.views.figure import Picture, curve, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None
     factor, name = scale(channel, window.unit)
     measured = np.where(window.used[channel], window.readings[channel], np.nan)
     model = fit.predicted[0][channel] * factor
-    both(axis, window.clock, measured * factor, model, ("measured", "model"), look)
+    shown = {"color": look.broad, "lw": 2.4, "solid_capstyle": "round"}
+    curve(axis, window.clock, measured * factor, label="measured", **shown)
+    curve(axis, window.clock, model, label="model", color=look.model, lw=0.8)
     axis.set_ylabel(literal(f"{channel}\n[{name}]"))
     axis.legend(loc="upper right", ncols=2)
     axis.margins(y=0.16)
@@ -68,9 +70,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
-    drawn, axes = figure(look, 4.6, 2, 2)
-    at_reversal, at_middle = axes[2:]
-    wide = joined(drawn, axes[:2])
+    drawn, (wide, at_reversal, at_middle) = figure(look, 4.6, "aa;bc")
     force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(

@@ -53,7 +53,8 @@ def draw_panels(axes: Sequence["Axes"], found: DecayCurves, names: Sequence[str]
     factor, unit = scale("displacement", found.unit)
     for axis, panel in zip(axes, PANELS, strict=True):
         for place, curve in enumerate(found.releases):
-            _release(axis, panel, curve, factor, COLOURS[place % len(COLOURS)], MARKS[place % len(MARKS)])
+            look_of = COLOURS[place % len(COLOURS)], MARKS[place % len(MARKS)]
+            _release(axis, panel, curve, factor, look_of, names[curve.release])
         rivals = [laid for laid in found.laws if laid.law.role == "rival"]
         for laid in found.laws:
             style = RIVALS[rivals.index(laid) % len(RIVALS)] if laid in rivals else "-"
@@ -62,19 +63,23 @@ def draw_panels(axes: Sequence["Axes"], found: DecayCurves, names: Sequence[str]
         axis.set_ylim(*limits(panel, found))
         axis.set_xlim(0.0, 1.04 * max(float(c.amplitude.max()) for c in found.releases) * factor)
         axis.ticklabel_format(axis="y", useOffset=False)
-    _keys(axes[0], found, names)
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[0].figure.legend(
+        handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=8.5, labelcolor=look.ink
+    )
 
 
 def _release(
-    axis: "Axes", panel: Panel, curve: AmplitudeCurve, factor: float, colour: str, mark: str
+    axis: "Axes", panel: Panel, curve: AmplitudeCurve, factor: float, look: tuple[str, str], name: str
 ) -> None:
+    colour, mark = look
     edge = axis.get_facecolor()
     order = np.argsort(curve.amplitude)
     x, y, band = (
         values[order] for values in (curve.amplitude * factor, panel.values(curve), panel.band(curve))
     )
     axis.fill_between(x, y - band, y + band, color=colour, alpha=0.22, lw=0)
-    axis.plot(x, y, mark, color=colour, ms=4.2, mew=0.4, mec=edge, zorder=3, label=f"release {curve.release}")
+    axis.plot(x, y, mark, color=colour, ms=4.2, mew=0.4, mec=edge, zorder=3, label=literal(name))
 
 
 def _law(axis: "Axes", panel: Panel, laid: LaidOver, factor: float, look: Look, style: str) -> None:
@@ -91,16 +96,6 @@ def label(laid: LaidOver) -> str:
     """Say how a law is called in a legend."""
     name = plain_name(laid.law.name)
     return {"usual": name, "named": f"with {name}", "rival": f"or {name}"}[laid.law.role]
-
-
-def _keys(axis: "Axes", found: DecayCurves, names: Sequence[str]) -> None:
-    """Put one legend below both panels."""
-    handles, labels = axis.get_legend_handles_labels()
-    for place, curve in enumerate(found.releases):
-        labels[place] = literal(names[curve.release])
-    colour = axis.xaxis.label.get_color()
-    axis.figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=8.5,
-                       labelcolor=colour)  # fmt: skip
 
 
 def limits(panel: Panel, found: DecayCurves) -> tuple[float, float]:

@@ -10,17 +10,15 @@ from identify.arrays import Array
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.force_map import ForceMap
 from identify.formatting import plain_name
-from station.results.diagnosis_document import CurveDocument
+from station.results.diagnosis_parts import CurveDocument
 from station.story.measured_curves import MeasuredCurve
-from station.text.numbers import scale_as_recorded, three_figures
+from station.text.numbers import scale_as_recorded
 from station.views.curve_panels import draw_panels
-from station.views.figure import Picture, figure, literal, rows_of
+from station.views.figure import Picture, figure, literal
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-LEAST = 0.7
 
 
 def force_maps(maps: Sequence[tuple[str, ForceMap]], unit: str) -> Picture:
@@ -80,24 +78,3 @@ def _along(position: Array, value: Array, std: Array, unit: str, look: Look) -> 
     axis.axhline(0, color=look.faint, lw=0.7)
     axis.set_xlabel(f"[{name}]")
     return drawn, axis
-
-
-def residuals(rows: Sequence[tuple[str, float]], std: float, look: Look = PAPER) -> Picture:
-    """Draw the residuals of reduced chi-squares as bars on a logarithmic axis, with the noise (1, band: 2 std. errors)."""
-    drawn, (axis,) = figure(look, 0.5 * len(rows) + 1.0)
-    values, std = np.sqrt([value for _, value in rows]), std / 2.0
-    lengths = np.maximum(values, LEAST * 1.05) - LEAST
-    axis.barh(
-        range(len(rows)), lengths, left=LEAST, color=look.bar, edgecolor=look.ink, lw=0.5,
-        height=0.62,
-    )  # fmt: skip
-    for row, value in enumerate(values):
-        place = (max(float(value), 1.0), row)
-        axis.annotate(f" {three_figures(float(value))}", place, va="center", fontsize=8, color=look.ink)
-    axis.axvspan(max(1 - 2 * std, LEAST), 1 + 2 * std, color=look.noise, lw=0, zorder=0)
-    axis.axvline(1, color=look.ink, lw=1.0, ls="--")
-    axis.set_xscale("log")
-    axis.set_xlabel("rms of the residual, times the noise (logarithmic; dashed: noise alone)")
-    axis.set_xlim(LEAST, 2.5 * max(float(np.max(values, initial=0.0)), 2.0))
-    rows_of(axis, [name for name, _ in rows])
-    return drawn

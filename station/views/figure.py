@@ -2,7 +2,6 @@
 
 import base64
 import re
-from collections.abc import Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
@@ -88,33 +87,25 @@ class Picture(Figure):
 
 
 def figure(
-    look: Look, height: float, rows: int = 1, columns: int = 1, width: float = WIDTH, **how: Any
+    look: Look, height: float, rows: int | str = 1, columns: int = 1, width: float = WIDTH, **how: Any
 ) -> tuple[Picture, list["Axes"]]:
-    """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`."""
+    """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`.
+
+    `rows` may be a mosaic, as "aa;bc" for a wide pair of axes over two others.
+    """
     with inked(look):
         made = Picture(figsize=(width, height), dpi=150, layout="constrained")
-        axes = made.subplots(rows, columns, squeeze=False, **how)
+        if isinstance(rows, str):
+            axes = list(made.subplot_mosaic(rows, **how).values())
+        else:
+            axes = list(made.subplots(rows, columns, squeeze=False, **how).ravel())
     made.look = look
-    return made, list(axes.ravel())
+    return made, axes
 
 
 def literal(text: str) -> str:
     """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
     return typeset(text).replace("$", r"\$")
-
-
-def joined(drawn: Picture, cells: list["Axes"]) -> "Axes":
-    """Put one pair of axes in place of several neighbouring ones."""
-    places = [cell.get_subplotspec() for cell in cells]
-    first, last = places[0], places[-1]
-    assert first is not None
-    assert last is not None
-    for cell in cells:
-        cell.remove()
-    rows = slice(first.rowspan.start, last.rowspan.stop)
-    columns = slice(first.colspan.start, last.colspan.stop)
-    made: Axes = drawn.add_subplot(first.get_gridspec()[rows, columns])
-    return made
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -138,14 +129,6 @@ def curve(axis: "Axes", time: Array, values: Array, **how: Any) -> None:
     axis.plot(*thinned(time, values), **how)
 
 
-def both(
-    axis: "Axes", time: Array, measured: Array, model: Array, names: tuple[str, str], look: Look
-) -> None:
-    """Draw a measurement as a broad line and a model as a thin one over it."""
-    curve(axis, time, measured, color=look.broad, lw=2.4, label=names[0], solid_capstyle="round")
-    curve(axis, time, model, color=look.model, lw=0.8, label=names[1])
-
-
 def zero_lines(axis: "Axes", look: Look) -> None:
     """Draw the axes through zero."""
     axis.axhline(0, color=look.faint, lw=0.7)
@@ -158,10 +141,3 @@ def points(
     """Draw points with two standard errors, where those are known; `form` as matplotlib takes it."""
     error = None if std is None else 2 * std
     axis.errorbar(x, y, yerr=error, fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None)
-
-
-def rows_of(axis: "Axes", names: Sequence[str]) -> None:
-    """Name the bars of an axis from the top down."""
-    axis.set_yticks(range(len(names)), [literal(name) for name in names])
-    axis.invert_yaxis()
-    axis.grid(axis="y", visible=False)

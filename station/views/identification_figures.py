@@ -1,8 +1,7 @@
 """The record and both identifications in figures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded, three_figures
-from station.views.figure import Picture, both, curve, figure, joined, literal, points, rows_of, zero_lines
+from station.views.figure import Picture, curve, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
 MOST_SHADED = 200
 LONGEST = 24
-COARSE = 3
 LEAST_SHARE = 1e-6
 MOST_DOTS = 250
 WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
@@ -57,9 +55,7 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
     time = found.time - release
     factor, name = scale("displacement", length)
-    drawn, axes = figure(PAPER, 3.9, 2, 2, width_ratios=[2.2, 1])
-    top, _, below, _ = axes
-    backbone = joined(drawn, axes[1::2])
+    drawn, (top, backbone, below) = figure(PAPER, 3.9, "ab;cb", width_ratios=[2.2, 1])
     curve(top, time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
     curve(top, time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
     top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
@@ -152,79 +148,11 @@ def _significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> Non
     for row, (_, value) in enumerate(terms):
         label = f" {three_figures(value)} %" if value >= 0.01 else f" {value:.1g} %"
         axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
-    rows_of(axis, [name for name, _ in terms])
+    axis.set_yticks(range(len(terms)), [literal(name) for name, _ in terms])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
     axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
-
-
-def reconstruction(result: Identification) -> Picture:
-    """Draw the decay and the restoring force, measured and reconstructed, and the residual: figures 5 and 6."""
-    wavelet, force, length = result.wavelet, result.restoring_force, result.decay.unit
-    begin = result.release.time_s
-    rows = 2 * ((wavelet is not None) + (force is not None))
-    drawn, axes = figure(PAPER, 1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
-    free = iter(axes)
-    if wavelet is not None:
-        factor, name = scale(wavelet.channel, length)
-        fine = scale(wavelet.channel, length, fine=True)
-        measured, model = (values * factor for values in result.rebuilt_decay(wavelet))
-        words = (f"{wavelet.channel}\n[{name}]", fine[1], "rebuilt, wavelet")
-        _rebuilt((next(free), next(free)), wavelet.time - begin, measured, model, fine[0] / factor, words)
-    if force is not None:
-        label = f"{length}/s^2"
-        words = (f"force per unit\nmass [{label}]", label, "fitted, restoring force")
-        _rebuilt((next(free), next(free)), force.time - begin, force.force, force.force_fit, 1.0, words)
-    for place in range(0, rows, 2):
-        axes[place].legend(loc="upper right", ncols=2)
-        axes[place].margins(y=0.16)
-    axes[-1].set_xlabel(SINCE)
-    return drawn
-
-
-def _rebuilt(
-    axes: tuple["Axes", "Axes"],
-    time: Array,
-    measured: Array,
-    model: Array,
-    fine: float,
-    words: tuple[str, ...],
-) -> None:
-    """Draw a measurement and its model, and under them the residual times `fine`; `words` name axis, unit and model."""
-    label, unit, name = words
-    both(axes[0], time, measured, model, ("measured", name), PAPER)
-    axes[0].set_ylabel(literal(label))
-    curve(axes[1], time, (measured - model) * fine, color=PAPER.residual, lw=0.7)
-    axes[1].set_ylabel(literal(f"residual [{unit}]"))
-
-
-def surface(found: RestoringForceResult, length: str) -> Picture:
-    """Draw the restoring force surface over displacement and velocity with the measured points on it."""
-    from matplotlib.tri import Triangulation
-
-    factor, name = scale("displacement", length)
-    drawn, (flat,) = figure(PAPER, 3.3, subplot_kw={"projection": "3d"}, width=5.2)
-    axis: Any = flat  # three-dimensional, which the types of a plain pair of axes do not know
-    coarse = replace(
-        found,
-        grid_displacement=found.grid_displacement[::COARSE],
-        grid_velocity=found.grid_velocity[::COARSE],
-        surface=found.surface[::COARSE, ::COARSE],
-    )
-    vertices, triangles = mesh(coarse)
-    net = Triangulation(vertices[:, 0] * factor, vertices[:, 1], triangles)
-    axis.plot_trisurf(
-        net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75, rasterized=True
-    )
-    every = max(1, len(found.force) // MOST_DOTS)
-    points = (found.displacement * factor, found.velocity, found.force)
-    axis.plot(*(values[::every] for values in points), ".", color=PAPER.ink, ms=1.6)
-    axis.set_xlabel(literal(f"displacement [{name}]"))
-    axis.set_ylabel(literal(f"velocity [{length}/s]"))
-    axis.set_zlabel(literal(f"force per unit mass [{length}/s^2]"))
-    axis.locator_params(nbins=5)
-    axis.view_init(22, -125)
-    axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
-    return drawn
 
 
 def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:

@@ -71,7 +71,7 @@ class LiveView(CaptureObserver):
 def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
     """Return the live layout: the channels, the state of the station, its log; it follows the newest sample."""
     views: list[rrb.View] = [
-        log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
+        log.over_time(channel.name.capitalize(), f"{ROOT}/{channel.name}") for channel in channels
     ]
     curves = rrb.Vertical(
         *views,

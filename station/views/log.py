@@ -1,6 +1,6 @@
-"""The few ways in which numbers are put into a Rerun recording."""
+"""What a tab of the viewer is made of: each function logs its data and returns the view that shows them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import rerun as rr
@@ -9,25 +9,45 @@ from numpy.typing import NDArray
 from rerun.blueprint.archetypes import PlotBackground
 
 from station.text.numbers import typeset
-from station.views import palette
 from station.views.figure import Picture
+from station.views.palette import Look
 
 Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
+Line = tuple[str, Array, Colour, float]
+"""A curve: its name with its unit, its values, its colour, and how wide it is drawn."""
+
+Tab = Callable[[rr.RecordingStream, Look], rrb.Container]
+"""Logs the data of a tab, its pictures in the colours of a look, and returns its layout."""
 
 TIMELINE = "time"
 
 
-def series(
+def curves(
+    stream: rr.RecordingStream, title: str, path: str, time: Array, lines: Mapping[str, Line]
+) -> rrb.View:
+    """Log curves over the record's time in s, each under its key."""
+    for key, line in lines.items():
+        _series(stream, f"{path}/{key}", time, line)
+    return over_time(title, f"{path}/**")
+
+
+def curve(
     stream: rr.RecordingStream,
+    title: str,
     path: str,
     time: Array,
     values: Array,
-    name: str,
     colour: Colour,
-    width: float = 1.5,
-) -> None:
-    """Log a curve over the record's time in s; the name carries the unit."""
+    between: tuple[float, float] | None = None,
+) -> rrb.View:
+    """Log one curve over the record's time in s; the title carries its unit in place of a legend."""
+    _series(stream, path, time, (title, values, colour, 1.5))
+    return over_time(title, path, legend=False, between=between)
+
+
+def _series(stream: rr.RecordingStream, path: str, time: Array, line: Line) -> None:
+    name, values, colour, width = line
     style = rr.SeriesLines(colors=colour, names=typeset(name), widths=width, aggregation_policy="MinMax")
     stream.log(path, style, static=True)
     stream.send_columns(
@@ -37,38 +57,32 @@ def series(
     )
 
 
-def picture(stream: rr.RecordingStream, path: str, drawn: Picture) -> None:
-    """Log a picture with real axes, on the ground of the viewer."""
-    contents = drawn.encoded("png", facecolor=palette.ground.get())
-    stream.log(path, rr.EncodedImage(contents=contents, media_type="image/png"), static=True)
-
-
-def markdown(stream: rr.RecordingStream, path: str, text: str) -> None:
-    """Log a text."""
-    stream.log(path, rr.TextDocument(text, media_type="text/markdown"), static=True)
-
-
-def curves(name: str, contents: list[str], between: tuple[float, float] | None = None) -> rrb.View:
+def over_time(
+    title: str, contents: str, *, legend: bool = True, between: tuple[float, float] | None = None
+) -> rrb.View:
     """Return a view of curves over time, linked in time with the others, its legend at the top right."""
-    return _over_time(name, contents, between, legend=True)
-
-
-def curve(name: str, path: str, between: tuple[float, float] | None = None) -> rrb.View:
-    """Return a view of one curve over time; the name of the view carries its unit in place of a legend."""
-    return _over_time(name, [path], between, legend=False)
-
-
-def _over_time(name: str, contents: list[str], between: tuple[float, float] | None, legend: bool) -> rrb.View:
-    axis = None if between is None else rrb.ScalarAxis(range=between)
     return rrb.TimeSeriesView(
         origin="/",
-        contents=contents,
-        name=typeset(name),
+        contents=[contents],
+        name=typeset(title),
         axis_x=rrb.TimeAxis(link="LinkToGlobal"),
-        axis_y=axis,
+        axis_y=None if between is None else rrb.ScalarAxis(range=between),
         plot_legend=rrb.PlotLegend("RightTop", visible=legend),
         background=PlotBackground(show_grid=True),
     )
+
+
+def picture(stream: rr.RecordingStream, title: str, path: str, drawn: Picture) -> rrb.View:
+    """Log a picture with real axes, on a ground of its own: the viewer draws nothing through it."""
+    contents = drawn.encoded("png", facecolor=drawn.look.paper)
+    stream.log(path, rr.EncodedImage(contents=contents, media_type="image/png"), static=True)
+    return rrb.Spatial2DView(origin=path, contents=[path], name=title)
+
+
+def markdown(stream: rr.RecordingStream, title: str, path: str, text: str) -> rrb.View:
+    """Log a text."""
+    stream.log(path, rr.TextDocument(text, media_type="text/markdown"), static=True)
+    return rrb.TextDocumentView(origin=path, contents=[path], name=title)
 
 
 def blueprint(tabs: Sequence[rrb.Container], *, active: int = 0, follow: bool = False) -> rrb.Blueprint:
@@ -82,13 +96,3 @@ def blueprint(tabs: Sequence[rrb.Container], *, active: int = 0, follow: bool = 
         auto_views=False,
         auto_layout=False,
     )
-
-
-def shown_picture(name: str, path: str) -> rrb.View:
-    """Return a view of one picture."""
-    return rrb.Spatial2DView(origin=path, contents=[path], name=name)
-
-
-def document(name: str, path: str) -> rrb.View:
-    """Return a view of one text."""
-    return rrb.TextDocumentView(origin=path, contents=[path], name=name)

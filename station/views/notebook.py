@@ -1,45 +1,37 @@
 """Pictures for a notebook: `draw(result)` gives a figure of whatever `identify` returned."""
 
-from collections.abc import Callable
-from typing import Any
+from functools import singledispatch
 
 import numpy as np
 
 from identify.comparison.compare import Comparison
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.force_map import force_added, force_left, force_map
 from identify.diagnosis.ladder import Ladder
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.results.force_maps import MOST, force_maps
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER
 
-MOST_SUSPECTS = 3
 MEASURED, MODEL = PAPER.measured, PAPER.model
 
 
-def draw(
-    result: FreeDecay
-    | PreparedDecay
-    | WaveletResult
-    | RestoringForceResult
-    | Comparison
-    | DecayCurves
-    | Diagnosis
-    | Ladder,
-) -> Picture:
-    """Return a picture of a result of `identify`; TypeError where there is none for it."""
-    for kind, drawing in _DRAWINGS:
-        if isinstance(result, kind):
-            with inked(PAPER):
-                return drawing(result)
+def draw(result: object) -> Picture:
+    """Draw a result of `identify`; TypeError where there is no picture for it."""
+    with inked(PAPER):
+        return _drawn(result)
+
+
+@singledispatch
+def _drawn(result: object) -> Picture:
     raise TypeError(f"there is no picture of a {type(result).__name__}")
 
 
+@_drawn.register
 def _free_decay(decay: FreeDecay) -> Picture:
     units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s²"}
     present = [name for name in units if getattr(decay, name) is not None]
@@ -56,6 +48,7 @@ def _free_decay(decay: FreeDecay) -> Picture:
     return picture
 
 
+@_drawn.register
 def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
     picture, axes = figure(PAPER, 3.2, 1, 2)
@@ -68,43 +61,37 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     return picture
 
 
+@_drawn.register
 def _wavelet(found: WaveletResult) -> Picture:
     return identification_figures.envelope(found, "SI", 0.0)
 
 
+@_drawn.register
 def _restoring_force(found: RestoringForceResult) -> Picture:
     return identification_figures.sections(found, found.offset.unit.partition("/")[0])
 
 
+@_drawn.register
 def _diagnosis(found: Diagnosis) -> Picture:
     place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
     prepared, base = found.baseline.decays[place], found.baseline.fit
-    panels = [("missing", force_map(prepared, force_left(prepared, base)))]
-    for suspect in [s for s in found.suspects if s.effect.name in s.fit.model][:MOST_SUSPECTS]:
-        force = force_added(prepared, base, suspect.fit, suspect.term, place)
-        panels.append((suspect.effect.name, force_map(prepared, force)))
-    return diagnosis_figures.force_maps(panels, prepared.window.unit)
+    best = [(s.term, s.fit) for s in found.suspects if s.effect.name in s.fit.model][:MOST]
+    return diagnosis_figures.force_maps(force_maps(prepared, base, best, place), prepared.window.unit)
 
 
+@_drawn.register
 def _curves(found: DecayCurves) -> Picture:
     count = 1 + max(curve.release for curve in found.releases)
     return diagnosis_figures.curves(found, [f"release {1 + n}" for n in range(count)])
 
 
+@_drawn.register
 def _ladder(found: Ladder) -> Picture:
-    rows = [
-        (row[0], step.error.chi_square) for row, step in zip(found.brief().rows, found.steps, strict=True)
-    ]
-    return diagnosis_figures.residuals(rows, found.top.error.floor_std)
+    names = [row[0] for row in found.brief().rows]
+    steps = list(zip(names, (step.fit for step in found.steps), strict=True))
+    return comparison_figures.front([*steps[:1], *steps[1:][-1:]])
 
 
-_DRAWINGS: tuple[tuple[type, Callable[[Any], Picture]], ...] = (
-    (FreeDecay, _free_decay),
-    (PreparedDecay, _prepared),
-    (WaveletResult, _wavelet),
-    (RestoringForceResult, _restoring_force),
-    (Comparison, comparison_figures.phase_plane),
-    (DecayCurves, _curves),
-    (Diagnosis, _diagnosis),
-    (Ladder, _ladder),
-)
+@_drawn.register
+def _comparison(found: Comparison) -> Picture:
+    return comparison_figures.phase_plane(found)

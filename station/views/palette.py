@@ -1,19 +1,9 @@
 """One colour for one thing, in every tab; distinct for colour-blind eyes (after Okabe and Ito).
 
-The viewer is light or dark as its page is: every colour stands out from white and from black. A picture alone needs a
-ground, since the viewer draws nothing through it.
+The viewer is light or dark as its page is: every colour of its curves stands out from white and from black.
 """
 
-from contextvars import ContextVar
-from dataclasses import dataclass
-
-GROUNDS = {True: "#0d1011", False: "#ffffff"}
-"""The ground of a picture, by whether the viewer is dark."""
-
-ground: ContextVar[str] = ContextVar("ground", default=GROUNDS[True])
-
-INK = "#7d8791"
-FAINT = "#8d959e"
+from dataclasses import dataclass, replace
 
 MEASURED = (125, 135, 145)
 DISPLACEMENT = (30, 136, 200)
@@ -25,11 +15,6 @@ WRONG = (215, 90, 25)
 REFERENCE = (130, 138, 148)
 
 CHANNEL = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}
-
-
-def css(colour: tuple[int, int, int]) -> str:
-    """Return a colour as "#rrggbb", as matplotlib takes it."""
-    return "#" + "".join(f"{part:02x}" for part in colour)
 
 
 @dataclass(frozen=True)
@@ -49,18 +34,6 @@ class Look:
     paper: str = "#ffffff"
     force: str = "PuOr"
 
-
-SCREEN = Look(
-    ink=INK,
-    faint=FAINT,
-    measured=css(MEASURED),
-    broad=css(MEASURED),
-    model=css(FORCE),
-    second=css(ACCELERATION),
-    residual=css(WRONG),
-    noise="#00966e44",
-    bar=css(FORCE),
-)
 
 PAPER = Look(
     ink="#111111",
@@ -99,3 +72,6 @@ DARK = Look(
     force="managua",
 )
 """Of the workbench's page, in the colours of its style sheet."""
+
+VIEWERS = {True: replace(DARK, paper="#0d1011"), False: LIGHT}
+"""Of a picture in the viewer, by whether that is dark; the paper is the viewer's own ground."""

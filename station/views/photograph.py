@@ -9,9 +9,8 @@ from typing import Any
 from rerun.experimental import ViewerClient
 
 from station.exits import Problem
-from station.views.viewer import HOST, free_ports, start
+from station.views.viewer import HOST, free_ports, start, wait_for
 
-START_S = 30.0
 PAINT_S = 12.0
 ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers, or chromium, which brings one)"
 DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
@@ -77,7 +76,8 @@ def _viewer(size: str) -> Iterator[ViewerClient]:
         "--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen", more=_driver()
     )
     try:
-        yield _connected(f"rerun+http://{HOST}:{port}/proxy")
+        wait_for(port)
+        yield ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
     finally:
         process.terminate()
         process.wait(timeout=10)
@@ -92,20 +92,6 @@ def _driver() -> dict[str, str]:
         if driver.is_file() and (folder / "libvulkan.so.1").is_file():
             return {"VK_ICD_FILENAMES": str(driver), "LD_LIBRARY_PATH": str(folder)}
     return {}
-
-
-def _connected(url: str) -> ViewerClient:
-    last: Exception | None = None
-    end = time.monotonic() + START_S
-    while time.monotonic() < end:
-        try:
-            client = ViewerClient.connect(url)
-            client.get_state()
-            return client
-        except BROKEN as error:
-            last = error
-            time.sleep(0.2)
-    raise Problem(f"the viewer did not start ({last}); {ADVICE}")
 
 
 def _settled(client: ViewerClient) -> bytes:

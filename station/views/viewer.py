@@ -1,4 +1,4 @@
-"""The viewer itself: opened on a file where there is a screen."""
+"""The viewer itself: opened on a file where there is a screen, found where one is open already."""
 
 import os
 import socket
@@ -7,10 +7,13 @@ import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from station.exits import Problem
 
 HOST = "127.0.0.1"
+PORT = 9876
+VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
 
@@ -79,3 +82,19 @@ def wait_for(port: int) -> bool:
             return False
         time.sleep(0.1)
     return True
+
+
+def open_url() -> str | None:
+    """Find where a viewer listens: as the environment says (STATION_VIEWER), or Rerun's own port; None if none does."""
+    url = os.environ.get(VARIABLE) or f"rerun+http://{HOST}:{PORT}/proxy"
+    parts = urlsplit(url)
+    return url if parts.hostname and parts.port and answers(parts.hostname, parts.port) else None
+
+
+def url_or_new() -> str | None:
+    """Find where a viewer listens, after starting one if a window can be opened; None where there is no screen."""
+    found = open_url()
+    if found is not None or not has_screen():
+        return found
+    start("--port", str(PORT), "--hide-welcome-screen")
+    return open_url() if wait_for(PORT) else None

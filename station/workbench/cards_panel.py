@@ -5,7 +5,7 @@ from nicegui import ui
 from identify.formatting import plain_name
 from station.results.diagnosis_document import DiagnosisDocument
 from station.story.residual import explained_words
-from station.text.diagnosis_text import found_in_sensor, not_distinguishable, predicted_parts
+from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
@@ -103,7 +103,11 @@ class CardsPanel:
             ui.element("div").classes("why"),
         ):
             widgets.label(typeset(document.explanation), "wrap")
-            for text in (sentence(predicted_parts(document)), sentence(not_distinguishable(document))):
+            confirmed = confirmed_by(document)
+            for text in (
+                f"Confirmed on {confirmed}." if confirmed else "",
+                sentence(not_distinguishable(document)),
+            ):
                 widgets.label(text, "small wrap")
             for finding in document.findings:
                 widgets.label(f"Sensor: {found_in_sensor(finding, advice=True)}", "small wrap bad")

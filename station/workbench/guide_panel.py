@@ -18,7 +18,8 @@ from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.mystery import BOARD
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
-from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from station.results.campaign_document import CampaignDocument
+from station.results.comparison_document import ComparisonDocument
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.documents import Document
 from station.results.guide_document import GuideDocument
@@ -29,6 +30,7 @@ OF_EVERY_DOCUMENT = {
     ("command", "document"),
     [
         ("identify SESSION", IdentificationDocument),
+        ("compare SESSION", ComparisonDocument),
         ("diagnose SESSION...", DiagnosisDocument),
         ("validate MODEL SESSION...", ValidationDocument),
         ("campaign [FOLDER | SESSION...]", CampaignDocument),

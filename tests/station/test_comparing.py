@@ -50,10 +50,10 @@ def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, caps
     assert run(["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["error"]["chi2"] > 10
-    assert document["error"]["force_mse_percent"] > document["error"]["force_mse_percent_of_noise"]
+    assert document["error"]["force_mse_percent"] > document["floor_percent"]
     assert document["noise_floor"]["displacement"]["source"]
     assert document["places"][0]["significance"] >= document["places"][-1]["significance"]
-    assert len(document["cycles"]["time_s"]) == len(document["cycles"]["energy_error_per_mass"])
+    assert len(document["cycles"]["time_s"]) == len(document["cycles"]["energy_error"])
     kept = json.loads((inside / "sessions" / "cubic" / "results" / "comparison.json").read_text())
     assert kept == document
 

@@ -18,7 +18,7 @@ from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
-from station.text.diagnosis_text import confirmed_by, predicted_parts, told
+from station.text.diagnosis_text import confirmed_by, predictions, told
 from station.text.layout import show
 
 NAMES = ("first", "second", "third")
@@ -131,19 +131,21 @@ def test_a_document_that_an_older_version_wrote_is_still_read():
     read = DiagnosisDocument.model_validate(old)
     assert (read.confirmed, read.confirmation) == ([], None)
     assert read.suspects[0].confirmed is None
-    assert (confirmed_by(read), predicted_parts(read)) == ("", "")
+    assert (confirmed_by(read), predictions(read)) == ("", ())
     assert "times noise" in printed(read)
     assert "decisive" not in printed(read)
 
 
 def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     found = document(confirmation())
-    assert confirmed_by(found) == (
-        "confirmed on 2 of 3 other releases: error of the prediction 6.00 to 2.00 % of the motion"
+    assert (
+        confirmed_by(found) == "2 of 3 other releases: error of the prediction 6.00 to 2.00 % of the motion"
     )
-    parts = predicted_parts(found)
-    assert "first 5.00 to 1.00 %, second 6.00 to 9.00 %, third 10.0 to 2.00 %" in parts
-    assert parts.endswith("(median: phase 6.00 to 2.00 %, envelope 3.00 to 0.00 %)")
+    (parts,) = predictions(found)
+    assert [row[:2] for row in parts.rows[:3]] == [
+        ("first", "5.00 to 1.00"), ("second", "6.00 to 9.00"), ("third", "10.0 to 2.00")
+    ]  # fmt: skip
+    assert parts.rows[3] == ("median", "6.00 to 2.00", "6.00 to 2.00", "3.00 to 0.00")
     alone = document(confirmation(one_record=True), ("first",))
     assert "2 of 2 parts of the record" in confirmed_by(alone)
     assert confirmed_by(alone).endswith("error of all but the large amplitudes 6.00 to 2.00 % of the motion")
@@ -166,17 +168,20 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     text = printed(found)
     assert text.strip().startswith("NO KNOWN EFFECT PREDICTS THE RESIDUAL")
     assert confirmed_by(found) == ""
-    assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in predicted_parts(found)
+    (parts,) = predictions(found)
+    assert [row[:2] for row in parts.rows] == [
+        ("first", "5.00"), ("second", "6.00"), ("third", "10.0"), ("median", "6.00")
+    ]  # fmt: skip
 
 
 def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
-    section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, curves=None, left_out={}))
+    section = suspects(SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, left_out={}))
     table = next(p for p in section.parts if p.kind == "table" and p.head[0] == "left out")
-    assert table.rows[0] == ("first", "5.00", "1.00", "4.00", "1.00", "3.00", "0.00")
+    assert table.rows[0] == ("first", "5.00 to 1.00", "4.00 to 1.00", "3.00 to 0.00")
     assert table.rows[-1][0] == "median"
-    labels = [part.label for part in section.parts if part.kind == "paragraph"]
-    assert "Confirmed" in labels
+    labels = [label for part in section.parts if part.kind == "facts" for label, _ in part.rows]
+    assert "confirmed" in labels
 
 
 def test_what_is_not_distinguishable_is_named_together_with_what_would_tell():

@@ -14,7 +14,7 @@ from daq.importing.options import ImportOptions
 from daq.recording import Gap
 from daq.replay import replay
 from daq.session import Session
-from station.text.capture_progress import Several, Watch, bar
+from station.text.capture_progress import Several, Watch
 from station.views.live import LiveView
 
 SAMPLE = Path(__file__).resolve().parent.parent / "data" / "release_12.csv"
@@ -59,10 +59,3 @@ def test_the_terminal_shows_levels_in_a_terminal(session):
     with Watch(Console(file=out, width=80, force_terminal=True)) as watch:
         replay(session, Several((watch,)), speed=0)
     assert "mm" in out.getvalue()
-
-
-def test_a_level_is_drawn_on_the_side_on_which_it_is():
-    assert bar(1.0, 1.0).index("│") < bar(1.0, 1.0).index("█")
-    assert bar(-1.0, 1.0).index("█") < bar(-1.0, 1.0).index("│")
-    assert len({len(bar(value, 1.0)) for value in (-2.0, -1.0, -0.3, 0.0, 0.4, 1.0, 5.0)}) == 1
-    assert "█" not in bar(0.0, 0.0)

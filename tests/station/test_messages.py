@@ -6,7 +6,7 @@ from identify.estimate import Estimate
 from identify.formatting import quantities, quantity, with_error
 from identify.formatting import three_figures as figures
 from station.cli import in_plain_words, run
-from station.results.diagnosis_document import FindingDocument
+from station.results.diagnosis_parts import FindingDocument
 from station.results.documents import EstimateDocument
 from station.text.diagnosis_text import found_in_sensor
 from station.text.numbers import SPACE
@@ -124,7 +124,6 @@ def test_a_fault_is_told_by_its_own_words_where_it_has_some():
         title="the gains of the two channels disagree",
         channel=None,
         parameters={"error": EstimateDocument(value=0.01, std=0.03, unit="1")},
-        chi2_drop=0.1,
         what_to_do="calibrate both",
     )
     assert (

@@ -17,7 +17,8 @@ from station.operations.refining import add, open_refinement
 from station.operations.session_set import open_sessions
 from station.settings import Settings
 from station.story.residual import times
-from station.views import open_viewer
+from station.views import viewer
+from station.views.palette import VIEWERS
 from station.views.viewer import executable
 
 
@@ -30,14 +31,19 @@ def refinement(tmp_path_factory, diagnosed):
 
 
 @pytest.fixture(scope="module")
-def file(refinement):
+def drawn(refinement):
     written = refinement.session.folder.parent / "model.rrd"
     stream = rr.RecordingStream("tabs", send_properties=False)
     stream.save(written)
-    viewer_tabs.ladder_tab(refinement).write(stream)
+    tab = viewer_tabs.ladder_tab(refinement)(stream, VIEWERS[True])
     stream.flush()
     stream.disconnect()
-    return written
+    return written, tab
+
+
+@pytest.fixture(scope="module")
+def file(drawn):
+    return drawn[0]
 
 
 def chunks(file, path):
@@ -64,14 +70,13 @@ def texts(file, path):
     return found
 
 
-def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
+def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(drawn, refinement):
+    file, tab = drawn
     for place, step in enumerate(refinement.ladder.steps):
         assert chunks(file, f"/ladder/{place}/motion")
-        assert chunks(file, f"/ladder/{place}/errors")
         assert times(step.error.chi2) in texts(file, f"/ladder/{place}/summary")[0]
     timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
     assert not timelines & {"time", "step"}
-    tab = viewer_tabs.ladder_tab(refinement).layout()
     assert [one.name for one in tab.contents] == ["0: usual model", "1: + cubic_stiffness"]
     assert tab.active_tab == 1
 
@@ -107,7 +112,7 @@ def test_a_session_without_results_has_no_tabs(tmp_path):
 
 
 def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch):
-    monkeypatch.setenv(open_viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
+    monkeypatch.setenv(viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     assert not viewer_tabs.show_ladder(refinement)
@@ -123,8 +128,8 @@ def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
-        monkeypatch.setenv(open_viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
-        assert any(open_viewer.open_url() or server.poll() or _wait() for _ in range(100))
+        monkeypatch.setenv(viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
+        assert any(viewer.open_url() or server.poll() or _wait() for _ in range(100))
         assert viewer_tabs.show_ladder(refinement)
     finally:
         server.terminate()

@@ -13,7 +13,8 @@ from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
-from station.results.models import KnownModel, known_model, model_file, read_model, read_model_file, written
+from station.results.documents import to_text
+from station.results.models import KnownModel, known_model, model_file, read_model, read_model_file
 
 VALUES = {
     "linear_stiffness.k": Estimate(613.9, 0.002, "1/s^2"),
@@ -44,7 +45,7 @@ def fitted(model: Model = MODEL, values: dict[str, Estimate] = VALUES) -> Fit:
 
 def changed(**entries):
     """Return the model file with the third effect replaced."""
-    document = json.loads(written(model_file(fitted())))
+    document = json.loads(to_text(model_file(fitted())))
     document["effects"][2] = {"effect": "cubic_stiffness", "held": {}, "parameters": {}} | entries
     return document
 
@@ -55,7 +56,7 @@ def file(tmp_path):
 
 
 def test_a_model_comes_back_with_its_terms_and_values(file):
-    file.write_text(written(model_file(fitted())))
+    file.write_text(to_text(model_file(fitted())))
     known = read_model(file)
     assert isinstance(known, KnownModel)
     assert known.model.names == MODEL.names
@@ -64,7 +65,7 @@ def test_a_model_comes_back_with_its_terms_and_values(file):
 
 
 def test_an_error_that_is_not_known_is_written_as_null(file):
-    document = json.loads(written(model_file(fitted())))
+    document = json.loads(to_text(model_file(fitted())))
     assert document["effects"][3]["parameters"]["gap"] == {"value": 0.016, "std": None, "unit": "m"}
 
 

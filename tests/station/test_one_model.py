@@ -12,9 +12,10 @@ from station.operations.current_model import current_model
 from station.operations.identifying import kept_options
 from station.operations.record_floor import NAME, prepare_with_floor
 from station.operations.refining import add, open_refinement
-from station.report.findings import Findings, _compare
+from station.report.findings import gather
 from station.results.sessions import open_session
 from station.settings import Settings
+from station.story.pipeline import silent
 
 USUAL = ["linear_stiffness", "coulomb_friction", "viscous_damping"]
 CUBIC = ["linear_stiffness", "cubic_stiffness", "coulomb_friction", "viscous_damping"]
@@ -57,8 +58,7 @@ def test_every_command_begins_with_the_orders_that_were_chosen(chosen, capsys):
     compared = said(capsys, "compare", "duffing", "--json")
     assert sorted(compared["model"]["effects"]) == sorted(CUBIC)
     assert "identified" in compared["model_is"]
-    found = Findings(chosen, chosen.recording(), kept_options(chosen, Settings()))
-    _compare(found, Settings(), None)
+    found = gather(chosen, Settings(), None, diagnose=False, progress=silent)
     assert sorted(found.compared.baseline.fit.model.names) == sorted(CUBIC)
 
 

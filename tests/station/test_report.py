@@ -148,7 +148,8 @@ def test_the_equation_has_the_parameters_of_the_present_model(page, kept):
     entries = kept("model")["effects"]
     for entry in entries:
         (value,) = entry["parameters"].values()
-        row = next(r for r in page.rows if r[0] == entry["effect"] and len(r) == 6 and "±" in r[3])
+        unit = typeset_unit(value["unit"])
+        row = next(r for r in page.rows if r[0] == entry["effect"] and len(r) == 5 and r[4] == unit)
         assert agrees(row[3], value)
     k3 = entries[3]["parameters"]["k3"]["value"]
     line = next(text for text in page.text if text.startswith("ü + 6"))

@@ -79,7 +79,9 @@ def test_a_rival_is_laid_over_in_place_of_what_was_named(kept):
 
 def test_the_report_shows_what_was_found(kept):
     picture = diagnosis_figures.curves(kept.shown.curves, kept.shown.names).uri
-    assert b"<svg" in base64.b64decode(picture.partition(",")[2])
-    found = SimpleNamespace(diagnosis=kept.document, fits=None, curves=kept.shown, left_out={})
+    drawing = base64.b64decode(picture.partition(",")[2])
+    assert b"<svg" in drawing
+    assert b"with cubic stiffness" in drawing
+    found = SimpleNamespace(diagnosis=kept.document, maps=(), curves=kept.shown, left_out={})
     captions = [part.caption for part in suspects(found).parts if part.kind == "figure"]
-    assert any("Thick line: the model with cubic stiffness" in caption for caption in captions)
+    assert any("Thick line: the model with what is named" in caption for caption in captions)

@@ -63,6 +63,6 @@ def test_a_result_reads_the_same_in_markdown():
     told = Told("Nothing is missing", "good", (Facts((("noise", "1 ± 0.04"),)), Paragraph("so", label="why"),
                 Table("", ("", "% of motion"), (("usual", "0.9"),))))  # fmt: skip
     text = markdown(told.brief)
-    assert "| noise | 1 ± 0.04 |" in text
+    assert "**noise**: 1 ± 0.04" in text
     assert "**why**: so" in text
     assert "|  | % of motion |\n| --- | ---: |\n| usual | 0.9 |" in text

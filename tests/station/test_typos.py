@@ -71,8 +71,8 @@ def test_a_name_for_the_motion_in_an_own_effect_gets_its_letter(name):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"mass": -3.0}, r"mass \[kg\] must be above 0 \(it is -3\)"),
-        ({"operator": "x" * 300}, "more than 255"),
+        ({"mass": -3.0}, r"mass \[kg\] must be greater than 0 \(it is -3\)"),
+        ({"operator": "x" * 300}, "at most 255 characters"),
     ],
 )
 def test_no_refusal_of_a_library_reaches_the_operator(options, said):
@@ -85,7 +85,7 @@ def test_no_refusal_of_a_library_reaches_the_operator(options, said):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[specimen]\nmass_kg = -3", "specimen.mass_kg must be above 0"),
+        ("[specimen]\nmass_kg = -3", "specimen.mass_kg must be greater than 0"),
         ("[capture]\nrat = 3", "capture.rat is not known here; did you mean 'rate'"),
         ("[capture]\nrate = 'fast'", "capture.rate must be a number"),
     ],

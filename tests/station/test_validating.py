@@ -14,9 +14,9 @@ from daq.session import Session
 from mocks.generate import draw
 from station import exits
 from station.cli import run
-from station.results.documents import read_document
+from station.results.documents import read_document, to_text
 from station.results.ladder import KeptLadder, KeptStep, write_ladder
-from station.results.models import EffectEntry, ModelFile, Value, written
+from station.results.models import EffectEntry, ModelFile, Value
 from station.results.validation_document import NAME, ValidationDocument
 from station.text import validation_text
 from station.text.layout import show
@@ -50,8 +50,8 @@ def bench(tmp_path_factory):
         made = draw("cubic_stiffness", 0.01, seed, amplitude=amplitude, parameters=pinned, **fixed)
         make_session(folder / "sessions" / name, made.rate, np.array([made.displacement, made.acceleration]))
     make_noise(folder / "sessions" / "short")
-    (folder / "right.json").write_text(written(model_file()))
-    (folder / "wrong.json").write_text(written(model_file(k3=20 * K3)))
+    (folder / "right.json").write_text(to_text(model_file()))
+    (folder / "wrong.json").write_text(to_text(model_file(k3=20 * K3)))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         yield folder

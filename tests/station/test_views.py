@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import rerun as rr
 from rerun.chunk import RrdReader
 from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
 
@@ -16,7 +17,7 @@ from station.text.numbers import SPACE
 from station.views import identification_figures as figures
 from station.views import overlay, show
 from station.views.identification_figures import mesh
-from station.views.palette import SCREEN
+from station.views.palette import VIEWERS
 
 
 @pytest.fixture(scope="module")
@@ -103,18 +104,24 @@ def test_the_envelope_the_fit_and_the_frequency_are_those_that_were_found(file, 
     assert np.isnan(shown[~found.trusted]).all()
     left, *_ = figures.orders(result).axes
     assert np.array_equal(left.lines[0].get_ydata(), found.mse_percent_by_order)
-    (ridge, fit) = figures.backbone(found, "m", SCREEN).axes[0].lines
+    (ridge, fit) = figures.backbone(found, "m", VIEWERS[True]).axes[0].lines
     every = len(found.backbone_amplitude) // figures.MOST_DOTS or 1
     assert np.array_equal(ridge.get_ydata(), 1e3 * found.backbone_amplitude[::every])
     assert np.array_equal(fit.get_xdata(), found.backbone_fit[::every])
-    ridge = figures.scalogram(found, SCREEN).axes[0].lines[1]
+    ridge = figures.scalogram(found, VIEWERS[True]).axes[0].lines[1]
     assert np.array_equal(ridge.get_ydata()[found.trusted], found.frequency[found.trusted])
 
 
 def test_the_surface_the_sections_and_the_significance_are_those_that_were_found(file, result):
     found = result.restoring_force
-    root = "/restoring_force"
-    assert np.array_equal(column(file, f"{root}/surface/fit/numbers", "surface"), found.surface.ravel())
+    shown = column(file, "/restoring_force/surface/fit", "Mesh3D:vertex_positions").reshape(-1, 3)
+    for placed, values in zip(shown.T, mesh(found)[0].T, strict=True):
+        farthest = np.argmax(np.abs(placed))
+        reach = (
+            values[farthest] / placed[farthest]
+        )  # the cube ends at the next number that reads well on an axis
+        assert np.allclose(placed * reach, values, rtol=1e-5, atol=1e-6 * reach)
+        assert 0.999 * np.abs(values).max() <= reach <= 1.5 * np.abs(values).max()
     cuts = figures.sections(found, "m").axes
     for axis, cut in zip(cuts, (found.section_zero_velocity, found.section_zero_displacement), strict=True):
         assert np.array_equal(axis.lines[0].get_ydata(), cut.force)
@@ -202,5 +209,6 @@ def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path)
 
 
 def test_the_tabs_are_named_as_the_story_is_told(result):
-    names = [tab.tab(result).name for tab in show.TABS]
+    stream = rr.RecordingStream("tabs", send_properties=False)
+    names = [tab(stream, VIEWERS[True], "one", result).name for tab in show.TABS]
     assert names == ["Capture", "Alignment", "Wavelet", "Restoring force", "Results"]

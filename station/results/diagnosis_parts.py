@@ -1,0 +1,202 @@
+"""The parts of a diagnosis as a document."""
+
+from pydantic import AliasChoices, Field
+
+from identify.effects.effect import Kind
+from identify.preprocessing.record_use import End
+from station.results.documents import ChannelNoise, EstimateDocument, Number, Numbers, Part
+from station.results.models import ModelFile
+
+
+class ChannelFloor(ChannelNoise):
+    """The noise of one channel with its unit."""
+
+    unit: str
+
+
+class HarmonicsDocument(Part):
+    """Power of the residual at the motion's harmonics, relative to noise of the level between them, and its p-value."""
+
+    ratio: Number
+    p_value: Number
+    against: bool
+
+
+class NoiseFloorDocument(Part):
+    """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
+
+    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
+    it speaks against the model, None where it was not asked.
+    """
+
+    chi2: float
+    chi2_std: float
+    channels: dict[str, ChannelFloor]
+    sure: bool | None = None
+    harmonics: HarmonicsDocument | None = None
+
+
+class SuspectDocument(Part):
+    """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it.
+
+    `confirmed` says whether it predicts what it was not fitted to, None where that was not asked or curves cannot show
+    it; `rivals` are effects that explain the record, or predict, as well. `motion_percent` is what the model refitted
+    with it leaves of the motion, `error_after` the same as chi2.
+    """
+
+    effect: str
+    title: str
+    kind: Kind
+    channel: str | None
+    error_after: Number
+    evidence: Number
+    parameters: dict[str, EstimateDocument]
+    confusable_with: list[str]
+    plausible: bool
+    claimed: bool
+    model: ModelFile | None
+    confirmed: bool | None = None
+    rivals: list[str] = Field(default_factory=list)
+    motion_percent: Number = None
+    strength_known: bool = True
+
+
+class FindingDocument(Part):
+    """A sensor's fault that every fit corrects, and that ought to be mended; `words` say what was found, in a clause."""
+
+    effect: str
+    title: str
+    channel: str | None
+    parameters: dict[str, EstimateDocument]
+    what_to_do: str
+    words: str = ""
+
+
+class CurveDocument(Part):
+    """The missing force per unit mass along one coordinate."""
+
+    coordinate: str
+    unit: str
+    position: Numbers
+    force_per_mass: Numbers = Field(validation_alias=AliasChoices("force_per_mass", "force"))
+    std: Numbers
+
+
+class ShapeDocument(Part):
+    """The free form of what has no name: the share of the rest that it explains, and its curves."""
+
+    explained: float
+    coordinates: list[str]
+    curves: list[CurveDocument] = Field(validation_alias=AliasChoices("curves", "shapes"))
+
+
+class HeldOutDocument(Part):
+    """The error on one session of physics that was fitted to the others; None where the free run diverges."""
+
+    session: str
+    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
+    motion_percent: Number
+
+
+class DifferenceDocument(Part):
+    """In what a session, alone, differs from the first: in % of its value, and in standard errors."""
+
+    session: str
+    parameter: str
+    percent: Number
+    sigmas: Number
+
+
+class ReleaseValueDocument(Part):
+    """A parameter of the final model as one session has it, and by how much that is off the one of all, in %."""
+
+    session: str
+    parameter: str
+    value: EstimateDocument
+    percent: Number
+
+
+class UsedDocument(Part):
+    """The part of a session's record that was analysed, s from its first reading, and why it ends there.
+
+    `share` is that part of what follows the release; `missing_s` how long readings are missing where that ends it.
+    """
+
+    session: str
+    begin_s: Number
+    end_s: Number
+    length_s: Number
+    share: Number
+    ended: End
+    missing_s: Number
+    words: str
+
+
+class ModeDocument(Part):
+    """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
+
+    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    percent: Number
+    channel: str
+    words: str
+
+
+class HypothesisDocument(Part):
+    """What may be true: the effects beyond the model that was asked about, and the odds, 0 to 1 over all hypotheses."""
+
+    names: list[str]
+    title: str
+    odds: Number
+
+
+class NextReleaseDocument(Part):
+    """The release that is expected to tell most `between` two hypotheses, with the evidence expected of it, nats.
+
+    `amplitude` is signed, in `unit`; of a `push` what it swings to. `scatter` is the standard deviation of that evidence.
+    `longer` and `faster` are multiples of the record's length and rate; `rested` means some seconds of rest before.
+    `tells_more` is false where no release decides; `words` say all of it.
+    """
+
+    amplitude: Number
+    unit: str
+    push: bool
+    longer: Number
+    faster: Number
+    rested: bool
+    between: list[str]
+    nats: Number
+    scatter: Number
+    tells_more: bool
+    words: str
+
+
+class EffectShareDocument(Part):
+    """What one force does over a cycle: its largest force, its part of the loss, by how much it raises the frequency."""
+
+    effect: str
+    force: EstimateDocument
+    force_percent: EstimateDocument
+    loss_percent: EstimateDocument
+    frequency_hz: EstimateDocument
+    frequency_percent: EstimateDocument
+
+
+class SharesDocument(Part):
+    """The shares of all forces but the linear spring at one amplitude, in `unit`, and the frequency of the motion there."""
+
+    amplitude: Number
+    unit: str
+    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    effects: list[EffectShareDocument]
+
+
+class WalkDocument(Part):
+    """A walk's `evidence` (nats), its standard deviations after one second, and the reduced chi-square beside it.
+
+    `stiffness` is relative to the linear stiffness, `damping` to the angular frequency: twice that of the damping ratio.
+    """
+
+    evidence: Number
+    stiffness: Number
+    damping: Number
+    reduced: Number
