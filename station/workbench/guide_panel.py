@@ -27,6 +27,7 @@ from station.text.guide_text import ENDINGS, gave, odds_before, odds_of, percent
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
+from station.workbench.parts import part
 
 TICK_S = 0.2
 _SHOWN = 5
@@ -117,22 +118,18 @@ class GuidePanel:
         self._settings, self._busy = settings, busy
         self._run: GuideRun | None = None
         self._shown: GuideNow | None = None
-
-    def build(self) -> None:
-        """Make the panel."""
         with ui.expansion("Guided test").props("dense").classes("card"):
             with ui.element("div") as self._form:
                 with widgets.line():
-                    self._low = _length("Least, mm", 2.0)
-                    self._high = _length("Largest, mm", 25.0)
-                self._port = ui.input("Port", value=self._settings.capture.port or "").props("dense outlined")
+                    self._low = widgets.number("Least, mm", 2.0)
+                    self._high = widgets.number("Largest, mm", 25.0)
+                self._port = ui.input("Port", value=settings.capture.port or "").props("dense outlined")
                 self._alone = ui.checkbox("The rig releases itself")
-                begin = widgets.button("Begin", self._begin, "Begin the guided test", strong=True)
-                simulate = widgets.button("No board? On a simulated rig", self._simulate)
-                for made in (begin, simulate):
-                    made.style("width:100%; margin-top:6px")
-            with ui.element("div").props("aria-live=polite") as self._place:
-                pass
+                widgets.button("Begin", self._begin, "Begin the guided test", strong=True, classes="wide")
+                widgets.button("No board? On a simulated rig", self._simulate, classes="wide")
+            self._place = widgets.html().props("aria-live=polite")
+            self._stop = widgets.button("Stop", self._cancel, "Stop the guided test")
+            self._stop.set_visibility(False)
         ui.timer(TICK_S, self._tick)
 
     def _begin(self) -> None:
@@ -142,7 +139,7 @@ class GuidePanel:
             ui.notify("give the port, and two amplitudes above 0, the smaller one first", type="warning")
             return
         ways = ("longer", "rest") if self._alone.value else ("push", "longer", "rest")
-        wanted = capture_settings(self._settings, session_info(self._settings, None, None, None, None))
+        wanted = capture_settings(self._settings, session_info(self._settings))
         self._start(nullcontext(port), wanted, Limits(low, high, ways=ways), bool(self._alone.value))
 
     def _simulate(self) -> None:
@@ -151,7 +148,7 @@ class GuidePanel:
         from station.operations.simulated_board import simulated_board
 
         seed = randbelow(MYSTERIES)
-        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}", None)
+        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}")
         wanted = replace(capture_settings(self._settings, info), check_clock=False)
         board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
         self._start(board, wanted, SIMULATED, True)
@@ -167,28 +164,26 @@ class GuidePanel:
             board, lambda port: GuidedTest(port, wanted, limits, folder, settings, alone=alone)
         )
 
+    def _cancel(self) -> None:
+        if self._run is not None:
+            self._run.cancel()
+
     def _tick(self) -> None:
         if self._run is None or self._run.now is self._shown:
             return
         now = self._shown = self._run.now
         self._form.set_visibility(now.finished)
-        self._place.clear()
-        with self._place:
-            widgets.label(now.to_do, "strong wrap")
-            widgets.label(now.why, "small wrap")
-            widgets.label(now.capture, "small faint wrap")
-            widgets.label(now.verdict, "strong wrap")
-            if now.gave:
-                widgets.label(f"It gave {now.gave}.", "small wrap")
-            for one in now.odds:
-                odds = one.odds or 0.0
-                widgets.label(f"{one.title}: {percent(odds)} {odds_before(one, now.before)}", "small")
-                ui.linear_progress(odds, show_value=False).props(f'aria-label="odds of {one.title}"')
-            if not now.finished:
-                widgets.button("Stop", self._run.cancel, "Stop the guided test")
-
-
-def _length(label: str, value: float) -> ui.number:
-    return (
-        ui.number(label, value=value, min=0, format="%g").props("dense outlined").style("flex:1; min-width:0")
-    )
+        self._stop.set_visibility(not now.finished)
+        said = [
+            (now.to_do, "strong"),
+            (now.why, "small"),
+            (now.capture, "small faint"),
+            (now.verdict, "strong"),
+            (f"It gave {now.gave}." if now.gave else "", "small"),
+        ]
+        odds = []
+        for one in now.odds:
+            share = one.odds or 0.0
+            words = f"{one.title}: {percent(share)} {odds_before(one, now.before)}"
+            odds.append((words, one.title, share))
+        self._place.content = part("lines", said) + part("odds", odds)

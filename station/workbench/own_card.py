@@ -2,16 +2,18 @@
 
 import asyncio
 import json
-from dataclasses import asdict
 
 from nicegui import ui
 
 from identify.effects.library import LIBRARY
+from station.operations import refining
 from station.results.models import name_of, parsed_effect
-from station.workbench import widgets
+from station.workbench import tasks, widgets
+from station.workbench.parts import begun
 from station.workbench.session_state import SessionState
+from station.workbench.view_models import Drawn
 from station.workbench.widgets import run
-from station.workbench.worker import Cancelled, Failed, Job
+from station.workbench.worker import Failed
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
 PAUSE_S = 0.3
@@ -27,9 +29,6 @@ class OwnCard:
     def __init__(self, session: SessionState) -> None:
         self._session = session
         self._typed = ""
-
-    def build(self) -> None:
-        """Make the card."""
         with ui.element("div").classes("card-suspect own") as self._card:
             with widgets.line():
                 widgets.label("One of your own", "name")
@@ -40,55 +39,52 @@ class OwnCard:
                 self._field.classes("mono grow").on("keydown.enter", self._add)
                 self._button = widgets.button("Add", self._add, "Add the effect of your own")
             self._message = widgets.label("", "small wrap").props("aria-live=polite")
-        self._button.disable()
-        self._show_verdict("", HELP)
+        self._say("faint", HELP)
 
     async def _changed(self, text: str) -> None:
         self._typed = text
         self._button.disable()
         run("bench.own(null)")
         if not text.strip():
-            self._show_verdict("", HELP)
+            self._say("faint", HELP)
             return
         await asyncio.sleep(PAUSE_S)
         if text != self._typed:
             return
         fault, verdict = await asyncio.to_thread(check, text)
-        if text != self._typed:
-            return
-        self._show_verdict("bad" if fault else "good", verdict)
-        self._button.set_enabled(not fault)
-        if not fault:
-            await self._preview(text)
+        if text == self._typed:
+            self._say("bad" if fault else "good", verdict)
+            if not fault:
+                await self._preview(text)
 
     async def _preview(self, text: str) -> None:
         """Show the model with the expression, fitted, as long as it stands in the line."""
-        view = self._session.view
-        if view is None or self._session.busy or name_of(text) in view.ladder.top.effects:
+        view, name = self._session.view, name_of(text)
+        if view is None or self._session.running or name in view.ladder.top.effects:
             return
         try:
-            frame = await self._session.ask(Job(), "preview", text)
-        except (Failed, Cancelled) as failure:
+            found: Drawn = await self._session.ask(tasks.preview, text)
+        except Failed as failure:
             if text == self._typed:
-                self._show_verdict("bad", str(failure))
+                self._say("bad", str(failure))
             return
         if text != self._typed or self._session.view is not view:
             return
-        says = frame.says
+        (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
-        self._card.update()
-        self._show_verdict("good", f"{says['what']}. Point here to see it again.")
-        run(f"bench.own({json.dumps({'frame': asdict(frame), 'says': says, 'name': name_of(text)})})")
+        self._say("good", f"{says['what']}. Point here to see it again.")
+        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': name})})")
 
-    def _show_verdict(self, kind: str, text: str) -> None:
-        self._message.classes(remove="bad good faint", add=kind or "faint")
+    def _say(self, kind: str, text: str) -> None:
+        """Say how the expression is; one that is good can be added."""
+        self._message.classes(remove="bad good faint", add=kind)
         self._message.text = text
+        self._button.set_enabled(kind == "good")
 
     def _add(self) -> None:
         if self._button.enabled:
-            text, self._typed = self._typed, ""
-            self._field.value = ""
-            self._session.start(f"Adding {name_of(text)}", "add", text)
+            text, self._field.value = self._typed, ""
+            self._session.change(f"Adding {name_of(text)}", refining.add, text)
 
 
 def check(text: str) -> tuple[bool, str]:
@@ -98,8 +94,7 @@ def check(text: str) -> tuple[bool, str]:
     try:
         effect = parsed_effect(text)
     except ValueError as error:
-        reason = str(error)
-        return True, f"{reason[0].upper()}{reason[1:]}"
+        return True, begun(str(error))
     if any(effect.name == other.name for other in LIBRARY):
         return True, f"{effect.name} is in the library already; choose another name for your own"
     names = ", ".join(parameter.name for parameter in effect.parameters)

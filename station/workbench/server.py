@@ -52,7 +52,7 @@ def serve(
         import uvicorn
 
         from station.workbench.application import make
-        from station.workbench.sessions_panel import address_of
+        from station.workbench.session_list import address_of
 
         bound = opened.getsockname()[1]
         everywhere = host in ("0.0.0.0", "::")

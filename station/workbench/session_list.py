@@ -3,13 +3,20 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from daq.errors import StationError
 from daq.session import SessionSummary, State, list_sessions
-from station.workbench import view_models
-from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
+from station.workbench.session_thumbnails import thumbnail
+from station.workbench.view_models import Thumbnail
+from station.workbench.worker import Failed, WorkerPool
 
 MOST = 200
+
+
+def address_of(key: str) -> str:
+    """Write the address of a session's page."""
+    return f"/?session={quote(key, safe='')}"
 
 
 @dataclass(frozen=True)
@@ -21,8 +28,13 @@ class Entry:
     date: str
     verdict: str
     problem: str
-    thumbnail: view_models.Thumbnail | None
+    thumbnail: Thumbnail | None
     notes: str = ""
+
+    @property
+    def address(self) -> str:
+        """Where its page is."""
+        return address_of(self.key)
 
     @property
     def words(self) -> str:
@@ -38,11 +50,11 @@ class SessionList:
         self.problem = ""
         self._named = tuple(folder.resolve() for folder in named)
         self._workers = workers
-        self._thumbnails: dict[tuple[Path, int], view_models.Thumbnail] = {}
+        self._thumbnails: dict[tuple[Path, int], Thumbnail] = {}
         self._making = False
 
     def entries(self) -> tuple[Entry, ...]:
-        """Return the sessions, those of the command line first, then the newest."""
+        """List the sessions, those of the command line first, then the newest."""
         self.problem = ""
         found: dict[str, Entry] = {}
         try:
@@ -60,8 +72,14 @@ class SessionList:
             yield from reversed(list_sessions(self.sessions))
 
     def folder_of(self, key: str) -> Path | None:
-        """Return the folder of a session by its key; None when there is none (nothing outside can be named)."""
+        """Find the folder of a session by its key; None when there is none (nothing outside can be named)."""
         return next((entry.folder for entry in self.entries() if entry.key == key), None)
+
+    def result_of(self, key: str, name: str) -> Path | None:
+        """Find a file among the results of a session; None when there is none."""
+        folder = self.folder_of(key)
+        file = None if folder is None else folder / "results" / name
+        return file if file is not None and file.is_file() and not file.is_symlink() else None
 
     def _entry(self, summary: SessionSummary) -> Entry:
         folder, info = summary.folder.resolve(), summary.info
@@ -74,28 +92,20 @@ class SessionList:
 
     async def make_thumbnails(self) -> bool:
         """Make the thumbnails that are missing, one at a time; True where one was made."""
-        if self._making:
+        missing = [
+            e for e in self.entries() if not (e.thumbnail or e.problem or e.verdict == State.RECORDING.value)
+        ]
+        if self._making or not missing:
             return False
         self._making = True
-        made = False
-        try:
-            for entry in self.entries():
-                if entry.thumbnail is None and not entry.problem and entry.verdict != State.RECORDING.value:
-                    thumbnail = await self._thumbnail(entry.folder)
-                    self._thumbnails[_stamp(entry.folder)] = thumbnail
-                    made = True
-        finally:
-            self._making = False
-        return made
-
-    async def _thumbnail(self, folder: Path) -> view_models.Thumbnail:
-        try:
-            found: view_models.Thumbnail = await self._workers.do(Job(), "thumbnails", "thumbnail", folder)
-        except Cancelled:
-            return view_models.Thumbnail("", [], "")
-        except Failed as failure:
-            return view_models.Thumbnail("", [], str(failure))
-        return found
+        for entry in missing:
+            try:
+                made = await self._workers.do("thumbnails", thumbnail, entry.folder)
+            except Failed as failure:
+                made = Thumbnail("", [], str(failure))
+            self._thumbnails[_stamp(entry.folder)] = made
+        self._making = False
+        return True
 
 
 def _stamp(folder: Path) -> tuple[Path, int]:

@@ -7,26 +7,26 @@ from pathlib import Path
 from daq.importing.recipe import Recipe
 from station.exits import UsageProblem
 from station.settings import Settings
-from station.story.pipeline import Progress
 from station.workbench.view_models import Campaign
+from station.workbench.worker import Say
 
 
 class _Watch:
     """Tells how many sessions are done."""
 
-    def __init__(self, total: int, progress: Progress) -> None:
-        self._total, self._done, self._progress = total, 0, progress
+    def __init__(self, total: int, say: Say) -> None:
+        self._total, self._done, self._say = total, 0, say
 
     def kept(self, name: str, reason: str = "") -> None:
         self._done += 1
-        self._progress(f"{self._done} of {self._total} sessions identified")
+        self._say(f"{self._done} of {self._total} sessions identified")
 
     done = failed = kept
 
 
 def import_files(
     settings: Settings,
-    progress: Progress,
+    say: Say,
     files: Sequence[Path],
     recipe: Recipe,
     names: str,
@@ -50,19 +50,19 @@ def import_files(
     from station.text.campaign_text import told
     from station.text.layout import show
 
-    info = session_info(settings, mass, None, None, None, (), varies)
+    info = session_info(settings, mass, varies=varies)
     form = Names(names) if names.strip() else None
     lines: list[str] = []
     work = FolderImport(settings.sessions, settings.sessions, recipe, form, {}, info)
     made = []
     for folder in work.sessions(files, lines.append):
-        progress(f"read as {folder.name}")
+        say(f"read as {folder.name}")
         made.append(str(folder))
     if not made:
         raise UsageProblem(f"none of the {len(files)} files could be read: {'; '.join(lines)}")
     sources = find_sources(tuple(made), settings)
     kept = Kept(settings.sessions / FOLDER)
-    run = run_campaign(sources, Request(settings), InThisProcess(), kept, _Watch(len(sources), progress))
+    run = run_campaign(sources, Request(settings), InThisProcess(), kept, _Watch(len(sources), say))
     document = campaign_document(kept.folder, False, run, {})
     kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
     page = StringIO()

@@ -9,8 +9,7 @@ document.documentElement.lang = "en";
     const kept = localStorage.getItem("bench-theme");
     return kept ? kept === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   };
-  bench.keepTheme = (dark) => localStorage.setItem("bench-theme", dark ? "dark" : "light");
-  bench.redraw = () => requestAnimationFrame(() => bench.draw());
+  bench.keepTheme = (dark) => { localStorage.setItem("bench-theme", dark ? "dark" : "light"); requestAnimationFrame(() => bench.draw()); };
 
   // The live scope: the newest seconds of the channel that triggers, its zero, its noise, and the swing that is a release.
   bench.scope = (now) => {
