@@ -12,7 +12,6 @@ from station.workbench.guard import Guard
 from station.workbench.page import Page
 from station.workbench.served_files import serve_files
 from station.workbench.session_list import SessionList
-from station.workbench.session_state import SessionStates
 from station.workbench.warm_up import warm_up
 from station.workbench.worker import WorkerPool
 
@@ -36,9 +35,7 @@ def make(
 ) -> tuple[FastAPI, AppState]:
     """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
     workers = WorkerPool(settings)
-    state = AppState(
-        settings, workers, SessionList(settings.sessions, named, workers), SessionStates(workers), temporary
-    )
+    state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, token=token, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)

@@ -1,15 +1,13 @@
-"""A card for an effect of one's own: typed as an expression, checked and previewed as it is typed; parsed, never run."""
+"""A card for an effect of one's own: an expression, fitted and previewed as it is typed; parsed, never run."""
 
 import asyncio
 import json
 
 from nicegui import ui
 
-from identify.effects.library import LIBRARY
 from station.operations import refining
-from station.results.models import name_of, parsed_effect
+from station.results.models import name_of
 from station.workbench import tasks, widgets
-from station.workbench.parts import begun
 from station.workbench.session_state import SessionState
 from station.workbench.view_models import Drawn
 from station.workbench.widgets import run
@@ -20,7 +18,7 @@ PAUSE_S = 0.3
 OWN = "(own)"
 """The name under which the expression in the line is previewed; no effect can have it."""
 
-HELP = "A force per unit mass from displacement u, velocity v, time t and parameters of your own."
+HELP = "A force per unit mass from displacement u, velocity v, time t and parameters of your own; or the name of an effect."
 
 
 class OwnCard:
@@ -51,29 +49,22 @@ class OwnCard:
         await asyncio.sleep(PAUSE_S)
         if text != self._typed:
             return
-        fault, verdict = await asyncio.to_thread(check, text)
-        if text == self._typed:
-            self._say("bad" if fault else "good", verdict)
-            if not fault:
-                await self._preview(text)
-
-    async def _preview(self, text: str) -> None:
-        """Show the model with the expression, fitted, as long as it stands in the line."""
-        view, name = self._session.view, name_of(text)
-        if view is None or self._session.running or name in view.ladder.top.effects:
-            return
+        view = self._session.view
         try:
             found: Drawn = await self._session.ask(tasks.preview, text)
         except Failed as failure:
             if text == self._typed:
                 self._say("bad", str(failure))
             return
-        if text != self._typed or self._session.view is not view:
+        if text != self._typed:
+            return
+        if self._session.view is not view:  # it was fitted to another model
+            await self._changed(text)
             return
         (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
         self._say("good", f"{says['what']}. Point here to see it again.")
-        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': name})})")
+        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': name_of(text)})})")
 
     def _say(self, kind: str, text: str) -> None:
         """Say how the expression is; one that is good can be added."""
@@ -85,17 +76,3 @@ class OwnCard:
         if self._button.enabled:
             text, self._field.value = self._typed, ""
             self._session.change(f"Adding {name_of(text)}", refining.add, text)
-
-
-def check(text: str) -> tuple[bool, str]:
-    """Tell whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
-    if "=" not in text:
-        return True, f"Give it a name first, as {EXAMPLE}"
-    try:
-        effect = parsed_effect(text)
-    except ValueError as error:
-        return True, begun(str(error))
-    if any(effect.name == other.name for other in LIBRARY):
-        return True, f"{effect.name} is in the library already; choose another name for your own"
-    names = ", ".join(parameter.name for parameter in effect.parameters)
-    return False, f"Understood: the force {effect.equation}, to be fitted: {names}"

@@ -47,7 +47,7 @@ class Page:
     def __init__(self, state: AppState, key: str | None, host: str, step: int | None = None) -> None:
         self._state, self._key, self._host, self._step = state, key, host, step
         folder = state.session_list.folder_of(key) if key else None
-        self._session: SessionState | None = state.sessions.at(folder) if folder else None
+        self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
         self._dark = False
         self._channels: list[str] = []

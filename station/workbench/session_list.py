@@ -7,9 +7,8 @@ from urllib.parse import quote
 
 from daq.errors import StationError
 from daq.session import SessionSummary, State, list_sessions
-from station.workbench.session_thumbnails import thumbnail
+from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.view_models import Thumbnail
-from station.workbench.worker import Failed, WorkerPool
 
 MOST = 200
 
@@ -21,7 +20,7 @@ def address_of(key: str) -> str:
 
 @dataclass(frozen=True)
 class Entry:
-    """One session: its key in addresses, its folder, and what is said of it; `thumbnail` None while it is being made."""
+    """One session: its key in addresses, its folder, what is said of it, and its thumbnail where that was asked for."""
 
     key: str
     folder: Path
@@ -43,23 +42,20 @@ class Entry:
 
 
 class SessionList:
-    """The sessions of a folder and those named on the command line; thumbnails are made by workers and remembered."""
+    """The sessions of a folder and those named on the command line."""
 
-    def __init__(self, sessions: Path, named: tuple[Path, ...], workers: WorkerPool) -> None:
+    def __init__(self, sessions: Path, named: tuple[Path, ...]) -> None:
         self.sessions = sessions
         self.problem = ""
         self._named = tuple(folder.resolve() for folder in named)
-        self._workers = workers
-        self._thumbnails: dict[tuple[Path, int], Thumbnail] = {}
-        self._making = False
 
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self, thumbnails: bool = False) -> tuple[Entry, ...]:
         """List the sessions, those of the command line first, then the newest."""
         self.problem = ""
         found: dict[str, Entry] = {}
         try:
             for summary in self._summaries():
-                entry = self._entry(summary)
+                entry = _entry(summary, thumbnails)
                 found.setdefault(entry.key, entry)
         except StationError as error:
             self.problem = str(error)
@@ -81,35 +77,15 @@ class SessionList:
         file = None if folder is None else folder / "results" / name
         return file if file is not None and file.is_file() and not file.is_symlink() else None
 
-    def _entry(self, summary: SessionSummary) -> Entry:
-        folder, info = summary.folder.resolve(), summary.info
-        if info is None:
-            return Entry(folder.name, folder, "", "damaged", summary.problem, None)
-        date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
-        word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
-        notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
-        return Entry(folder.name, folder, date, word, "", self._thumbnails.get(_stamp(folder)), notes)
 
-    async def make_thumbnails(self) -> bool:
-        """Make the thumbnails that are missing, one at a time; True where one was made."""
-        missing = [
-            e for e in self.entries() if not (e.thumbnail or e.problem or e.verdict == State.RECORDING.value)
-        ]
-        if self._making or not missing:
-            return False
-        self._making = True
-        for entry in missing:
-            try:
-                made = await self._workers.do("thumbnails", thumbnail, entry.folder)
-            except Failed as failure:
-                made = Thumbnail("", [], str(failure))
-            self._thumbnails[_stamp(entry.folder)] = made
-        self._making = False
-        return True
-
-
-def _stamp(folder: Path) -> tuple[Path, int]:
-    try:
-        return folder, (folder / "raw.log").stat().st_mtime_ns
-    except OSError:
-        return folder, 0
+def _entry(summary: SessionSummary, with_thumbnail: bool) -> Entry:
+    folder, info = summary.folder.resolve(), summary.info
+    if info is None:
+        return Entry(folder.name, folder, "", "damaged", summary.problem, None)
+    date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
+    word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
+    notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
+    raw = folder / "raw.log"
+    drawn = with_thumbnail and info.state is not State.RECORDING and raw.is_file()
+    thumbnail = thumbnail_of(folder, raw.stat().st_mtime_ns) if drawn else None
+    return Entry(folder.name, folder, date, word, "", thumbnail, notes)

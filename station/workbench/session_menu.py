@@ -1,6 +1,5 @@
-"""The menu of a session: rename, notes, what is known of the specimen, share, export, delete."""
+"""The menu of a session: rename, notes, what is known of the specimen, export, delete."""
 
-import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -27,7 +26,6 @@ class SessionMenu:
             ui.menu(),
         ):
             ui.menu_item("Name, notes, specimen …", self._edit)
-            ui.menu_item("Share: copy the address", self._share)
             ui.menu_item("Export samples as CSV", self._export)
             ui.menu_item(
                 "Begin the ladder again", lambda: session.start("Beginning again", tasks.begin_again)
@@ -96,11 +94,6 @@ class SessionMenu:
                 widgets.button(no, self._dialog.close)
         self._dialog.open()
 
-    async def _share(self) -> None:
-        address = await ui.run_javascript("bench.address()", timeout=5.0)
-        copied = await ui.run_javascript(f"bench.copy({json.dumps(address)})", timeout=5.0)
-        ui.notify(f"{'Copied' if copied else 'The address'}: {address}", multi_line=True, timeout=8000)
-
     async def _export(self) -> None:
         try:
             text = await self._session.ask(further_tasks.export)
@@ -111,5 +104,5 @@ class SessionMenu:
 
     def _leave(self, address: str) -> None:
         """Forget the session as it was, and go elsewhere."""
-        self._state.sessions.known.pop(self._session.folder, None)
+        self._state.sessions.pop(self._session.folder, None)
         ui.navigate.to(address)

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import re
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -186,17 +186,3 @@ class SessionState:
 def _steps(ladder: KeptLadder) -> object:
     """Pick out what makes two ladders different to the operator."""
     return ladder.present, ladder.steps
-
-
-@dataclass
-class SessionStates:
-    """The states of all sessions that are open, by folder."""
-
-    workers: WorkerPool
-    known: dict[Path, SessionState] = field(default_factory=dict)
-
-    def at(self, folder: Path) -> SessionState:
-        """Return the state of the session in a folder."""
-        if folder not in self.known:
-            self.known[folder] = SessionState(folder, self.workers)
-        return self.known[folder]

@@ -1,5 +1,6 @@
 """Thumbnails: a session at a glance, for the list on the left."""
 
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -7,16 +8,18 @@ import numpy as np
 from daq.errors import StationError
 from daq.recording import Array
 from daq.session import Session
-from station.settings import Settings
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.view_models import Numbers, Thumbnail
-from station.workbench.worker import Say
 
 POINTS = 60
 
 
-def thumbnail(settings: Settings, say: Say, folder: Path) -> Thumbnail:
-    """Find the largest amplitude and the outline of the decay; `problem` where the session cannot be read."""
+@lru_cache(maxsize=1000)
+def thumbnail_of(folder: Path, stamp: int) -> Thumbnail:
+    """Find the largest amplitude and the outline of the decay; `problem` where the session cannot be read.
+
+    `stamp` changes when the recording does: a thumbnail is made once for each.
+    """
     try:
         recording = Session.open(folder).recording()
     except StationError as error:

@@ -14,7 +14,7 @@ from station.workbench import further_tasks, widgets
 from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices
 from station.workbench.parts import part
-from station.workbench.session_list import address_of
+from station.workbench.session_list import Entry, address_of
 from station.workbench.several_files import import_files
 from station.workbench.stored_sessions import plain_name
 from station.workbench.view_models import Campaign, ImportQuestion
@@ -30,7 +30,8 @@ class SessionsPanel:
     """The list, and what imports a file into it."""
 
     def __init__(self, state: AppState, chosen: str | None) -> None:
-        self._session_list, self._states, self._chosen = state.session_list, state.sessions, chosen
+        self._state, self._chosen = state, chosen
+        self._entries: tuple[Entry, ...] = ()
         self._shown: object = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         with widgets.card():
@@ -60,18 +61,16 @@ class SessionsPanel:
                     does = partial(self._open_example, example.name)
                     widgets.button(example.name, does, f"Open the example {example.name}: {example.about}")
             self._examples.classes("small")
-        self._show()
         ui.timer(2.0, self._refresh)
 
     async def _refresh(self) -> None:
+        self._entries = await asyncio.to_thread(self._state.session_list.entries, thumbnails=True)
         self._show()
-        if await self._session_list.make_thumbnails():
-            self._show()
 
     def _show(self) -> None:
         """Show the list as the folder is now."""
-        entries, words = self._session_list.entries(), str(self._filter.value or "").lower().split()
-        refused = {folder for folder, known in self._states.known.items() if known.problem}
+        entries, words = self._entries, str(self._filter.value or "").lower().split()
+        refused = {folder for folder, known in self._state.sessions.items() if known.problem}
         if (entries, words, refused) == self._shown:
             return
         self._shown = entries, words, refused
@@ -83,7 +82,7 @@ class SessionsPanel:
         else:
             first = "Record a release, drop a file above, or open an example below."
             said = [("No session yet.", "faint"), (first, "small faint")]
-            problem = self._session_list.problem
+            problem = self._state.session_list.problem
             self._list.content = part("lines", [(problem, "bad small")] if problem else said)
             self._examples.value = True
 
@@ -157,7 +156,7 @@ class SessionsPanel:
         first = found.sessions[0]
         with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
             widgets.head(f"{len(found.sessions)} sessions together")
-            widgets.label(found.text, "mono").style("white-space:pre; overflow-x:auto")
+            widgets.html("told").content = found.told
             with widgets.line():
                 widgets.button(f"Open {first}", partial(ui.navigate.to, address_of(first)), strong=True)
                 widgets.button("Close", dialog.close)
@@ -165,10 +164,10 @@ class SessionsPanel:
     def _made(self, name: str, made: list[str], notes: list[str]) -> None:
         """Open the first session that was made, with a notice of the others and of what was guessed."""
         first, *others = made
-        place = self._session_list.folder_of(first)
+        place = self._state.session_list.folder_of(first)
         if place is not None:
             said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
-            self._states.at(place).notice = f"{name} was imported: {'; '.join(said)}"
+            self._state.session(place).notice = f"{name} was imported: {'; '.join(said)}"
         ui.navigate.to(address_of(first))
 
     def _say(self, text: str, kind: str = "") -> None:

@@ -1,12 +1,13 @@
 """Several files of one logger that were dropped together: sessions by one recipe, and what a campaign says of them."""
 
 from collections.abc import Sequence
-from io import StringIO
+from dataclasses import replace
 from pathlib import Path
 
 from daq.importing.recipe import Recipe
 from station.exits import UsageProblem
 from station.settings import Settings
+from station.workbench.parts import part
 from station.workbench.view_models import Campaign
 from station.workbench.worker import Say
 
@@ -37,8 +38,6 @@ def import_files(
 
     Raises UsageProblem where none of the files can be read.
     """
-    from rich.console import Console
-
     from station.campaign.crew import InThisProcess
     from station.campaign.files import FolderImport, Names
     from station.campaign.kept import Kept
@@ -48,7 +47,7 @@ def import_files(
     from station.operations.new_session import session_info
     from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.campaign_text import told
-    from station.text.layout import show
+    from station.text.content import Paragraph
 
     info = session_info(settings, mass, varies=varies)
     form = Names(names) if names.strip() else None
@@ -65,6 +64,7 @@ def import_files(
     run = run_campaign(sources, Request(settings), InThisProcess(), kept, _Watch(len(sources), say))
     document = campaign_document(kept.folder, False, run, {})
     kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
-    page = StringIO()
-    show(Console(file=page, width=80, highlight=False, color_system=None), told(document))
-    return Campaign([source.name for source in sources], "\n".join([*lines, page.getvalue().strip("\n")]))
+    found = told(document)
+    remarks = tuple(Paragraph(line) for line in lines)
+    made_of = [source.name for source in sources]
+    return Campaign(made_of, part("told", replace(found, brief=(*remarks, *found.brief))))

@@ -37,10 +37,10 @@ class ImportQuestion:
 
 @dataclass(frozen=True)
 class Campaign:
-    """What came of several files: the names of the sessions, and the campaign in 80 columns."""
+    """What came of several files: the names of the sessions, and what a campaign tells of them, as HTML."""
 
     sessions: list[str]
-    text: str
+    told: str
 
 
 @dataclass(frozen=True, eq=False)

@@ -141,6 +141,7 @@
     if (add) { add.hidden = S.selected === "(own)"; add.dataset.to = S.selected; add.disabled = !S.names[S.selected]; add.textContent = `Add ${S.names[S.selected] || "what is selected"}`; }
     if (film && document.activeElement !== film) film.value = filmAt();
     if (words) words.textContent = S.film === null ? "" : `looking at step ${S.film}`;
+    bench.address();
   }
 
   // Pointing and focus preview, a click selects; a card that slides under a resting pointer is not pointed at.
