@@ -7,11 +7,11 @@ from typing import Any
 from nicegui import ui
 
 from station.workbench import widgets
+from station.workbench.parts import part
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 
 MOST = 30
-FIT = ("OK", "sealed", "recovered")
 
 
 def others_menu(
@@ -23,28 +23,17 @@ def others_menu(
         count = len(session.others)
         return f"With {count} other{'s' if count > 1 else ''}" if count else "With others"
 
-    def tick(folder: Path, on: bool) -> Any:
-        session.others = (*(other for other in session.others if other != folder), *([folder] if on else []))
+    def tick(folder: str) -> Any:
+        rest = tuple(other for other in session.others if other != Path(folder))
+        session.others = rest if len(rest) < len(session.others) else (*rest, Path(folder))
         return changed()
 
     def fill() -> None:
-        body.clear()
-        offered = [e for e in session_list.entries() if e.folder != session.folder and not e.problem][:MOST]
-        with body:
-            widgets.label(
-                "Releases of the same bench and specimen, looked at together:"
-                if offered
-                else "There is no other session yet.",
-                "small faint wrap",
-            )
-            for entry in offered:
-                doubt = "" if entry.verdict in FIT else f" ({entry.verdict})"
-                box = ui.checkbox(f"{entry.key}{doubt}", value=entry.folder in session.others)
-                box.on_value_change(lambda e, f=entry.folder: tick(f, bool(e.value)))
-                box.props("dense").classes("small")
+        offered = [e for e in session_list.entries() if e.folder != session.folder and not e.problem]
+        body.content = part("others", offered[:MOST], session.others)
 
     with widgets.button(called(), lambda: None, "Choose releases to look at together") as button:
         button.bind_text_from(session, "others", lambda _: called())
         with ui.menu().props("max-height=360px") as menu:
-            body = ui.element("div").classes("why")
+            body = widgets.html("why", {"tick": tick})
     menu.on_value_change(lambda e: fill() if e.value else None)
