@@ -10,16 +10,18 @@ from station.workbench.telling_panel import TellingPanel
 from station.workbench.widgets import run
 
 
-def say_empty(
-    session: SessionState | None, key: str | None, solve_mystery: Callable[[], None], dark: bool
-) -> None:
+def say_empty(session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]) -> None:
     """Fill the place."""
     if session is not None and session.problem:
         widgets.label("This recording does not allow an analysis", "strong")
         widgets.label(session.problem, "wrap narrow")
         widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
         recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
-        ui.timer(0.05, lambda: recorded.open(dark), once=True)
+
+        async def show() -> None:
+            await recorded.open(await widgets.is_dark())
+
+        ui.timer(0.05, show, once=True)
     elif session is not None:
         widgets.spinner(32)
         widgets.label("The session is read, and the usual model fitted to it.")

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from nicegui import ui
@@ -18,7 +18,7 @@ from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.mystery import BOARD
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
-from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES
@@ -35,9 +35,10 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class GuideNow:
-    """Where a guided test stands: what to do, why, how the capture goes, the last verdict, its odds, and those before.
+    """Where a guided test stands: what to do, why, how the capture goes, and the last verdict.
 
-    `gave` is the evidence that the last release gave, beside what was expected of it.
+    `gave` is the evidence that the last release gave, beside what was expected of it; `odds` has for each explanation
+    words, its title, and how probable it is.
     """
 
     to_do: str = ""
@@ -45,8 +46,7 @@ class GuideNow:
     capture: str = "asking the board"
     verdict: str = ""
     gave: str = ""
-    odds: tuple[HypothesisDocument, ...] = ()
-    before: dict[str, float] = field(default_factory=dict)
+    odds: tuple[tuple[str, str, float], ...] = ()
     finished: bool = False
 
 
@@ -56,6 +56,7 @@ class GuideRun(CaptureObserver):
     def __init__(self, board: AbstractContextManager[str], make: Callable[[str], GuidedTest]) -> None:
         self.now = GuideNow()
         self._board, self._make, self._ended = board, make, False
+        self._odds: dict[str, float] = {}
         threading.Thread(target=self._run, name="guide", daemon=True).start()
 
     def cancel(self) -> None:
@@ -88,8 +89,17 @@ class GuideRun(CaptureObserver):
         if document is None:
             self.now = replace(self.now, verdict=f"It told nothing: {turn.problem}", gave="")
             return
-        odds, before = tuple(turn.hypotheses[:_SHOWN]), odds_of(list(self.now.odds))
-        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds, before=before)
+        shown, before = turn.hypotheses[:_SHOWN], self._odds
+        self._odds = odds_of(shown)
+        odds = tuple(
+            (
+                f"{one.title}: {percent(one.odds or 0.0)} {odds_before(one, before)}",
+                one.title,
+                one.odds or 0.0,
+            )
+            for one in shown
+        )
+        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds)
 
     def _run(self) -> None:
         try:
@@ -181,9 +191,4 @@ class GuidePanel:
             (now.verdict, "strong"),
             (f"It gave {now.gave}." if now.gave else "", "small"),
         ]
-        odds = []
-        for one in now.odds:
-            share = one.odds or 0.0
-            words = f"{one.title}: {percent(share)} {odds_before(one, now.before)}"
-            odds.append((words, one.title, share))
-        self._place.content = part("lines", said) + part("odds", odds)
+        self._place.content = part("lines", said) + part("odds", now.odds)

@@ -49,10 +49,8 @@ class Page:
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
-        self._dark = False
         self._channels: list[str] = []
         ui.page_title(f"{key} · workbench" if key else "workbench")
-        self._mode = ui.dark_mode(None)
         with ui.element("header").classes("bench-head"):
             self._build_header()
         with ui.element("div").classes("bench-columns").props("id=columns") as columns:
@@ -70,7 +68,11 @@ class Page:
                     dialog = validate_dialog(self._session, state.session_list)
                     self._ladder = LadderPanel(self._session, self._write_report, dialog.open)
         self._right.set_visibility(False)
-        ui.timer(0.05, self._begin, once=True)
+        run("bench.showTheme()")
+        if self._session is not None:
+            self._session.news.subscribe(self._tick)
+            self._session.open()
+        ui.timer(TICK_S, self._tick)
 
     def _build_header(self) -> None:
         turn = "Show or hide sessions and recording"
@@ -87,7 +89,7 @@ class Page:
             self._writing = Waiting(self._state.workers)
             self._report = widgets.line().props("aria-live=polite")
             widgets.button("Report", self._write_report, "Write the report of this session")
-        self._theme = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
+        widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
     def _build_middle(self) -> None:
         self._busy = BusyLine(lambda: self._session.cancel() if self._session else None, "card tight busybar")
@@ -132,13 +134,15 @@ class Page:
     async def _open_tab(self) -> None:
         """Ask for what the chosen tab shows; the viewer needs all of a small screen's width."""
         chosen = self._head_tabs.value
+        if self._session is None or self._session.view is None:
+            return
         self._right.set_visibility(chosen != RERUN)
-        if chosen == DETAILS:
-            await self._details.open(self._dark)
-        elif chosen == NUMBERS and self._session is not None:
+        if chosen == NUMBERS:
             await self._identified.open(self._session.others)
-        elif chosen == RERUN:
-            await self._viewer.open(self._dark)
+        elif chosen != STORY:
+            with self._tabs:
+                dark = await widgets.is_dark()
+                await (self._details if chosen == DETAILS else self._viewer).open(dark)
 
     async def _write_report(self) -> None:
         """Write the report, and offer it."""
@@ -161,28 +165,11 @@ class Page:
     def _say_empty(self) -> None:
         self._empty.clear()
         with self._empty:
-            say_empty(self._session, self._key, self._capture.solve_mystery, self._dark)
-
-    async def _begin(self) -> None:
-        try:
-            self._dark = bool(await ui.run_javascript("bench.dark()", timeout=20.0))
-        except TimeoutError:  # the tab was closed before it had read the page
-            return
-        self._set_theme()
-        if self._session is not None:
-            self._session.news.subscribe(self._tick)
-            self._session.open()
-        ui.timer(TICK_S, self._tick)
+            say_empty(self._session, self._key, self._capture.solve_mystery)
 
     def _turn_theme(self) -> None:
-        self._dark = not self._dark
-        self._set_theme()
-        run(f"bench.keepTheme({json.dumps(self._dark)})")
+        run("bench.turnTheme()")
         self._seen = -1
-
-    def _set_theme(self) -> None:
-        self._mode.value = self._dark
-        self._theme.text = "Light" if self._dark else "Dark"
 
     def _record(self, capture: CaptureRun) -> None:
         """Give the middle to the scope; the session of the recording is opened when it is sealed."""

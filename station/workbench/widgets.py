@@ -74,3 +74,11 @@ def chart(name: str, label: str, classes: str) -> None:
 def run(script: str) -> None:
     """Run a script in the tab, without waiting for it."""
     ui.run_javascript(script)
+
+
+async def is_dark() -> bool:
+    """Ask the tab whether it shows dark colours; one that was closed meanwhile does not."""
+    try:
+        return bool(await ui.run_javascript("bench.dark()", timeout=20.0))
+    except TimeoutError:
+        return False

@@ -9,7 +9,8 @@ document.documentElement.lang = "en";
     const kept = localStorage.getItem("bench-theme");
     return kept ? kept === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   };
-  bench.keepTheme = (dark) => { localStorage.setItem("bench-theme", dark ? "dark" : "light"); requestAnimationFrame(() => bench.draw()); };
+  bench.showTheme = () => { setDark(bench.dark()); requestAnimationFrame(() => bench.draw()); };
+  bench.turnTheme = () => { localStorage.setItem("bench-theme", bench.dark() ? "light" : "dark"); bench.showTheme(); };
 
   // The live scope: the newest seconds of the channel that triggers, its zero, its noise, and the swing that is a release.
   bench.scope = (now) => {
