@@ -5,6 +5,7 @@ import json
 
 from nicegui import ui
 
+from identify.formatting import plain_name
 from station.operations import refining
 from station.results.models import name_of
 from station.workbench import tasks, widgets
@@ -64,7 +65,7 @@ class OwnCard:
         (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
         self._say("good", f"{says['what']}. Point here to see it again.")
-        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': name_of(text)})})")
+        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': plain_name(name_of(text))})})")
 
     def _say(self, kind: str, text: str) -> None:
         """Say how the expression is; one that is good can be added."""
@@ -75,4 +76,4 @@ class OwnCard:
     def _add(self) -> None:
         if self._button.enabled:
             text, self._field.value = self._typed, ""
-            self._session.change(f"Adding {name_of(text)}", refining.add, text)
+            self._session.change(f"Adding {plain_name(name_of(text))}", refining.add, text)
