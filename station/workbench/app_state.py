@@ -1,18 +1,18 @@
 """What all tabs share: the workers, the sessions on offer, and those that are open."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from station.settings import Settings
 from station.workbench.capture_run import CaptureRun
 from station.workbench.session_list import SessionList
-from station.workbench.session_state import SessionStates
+from station.workbench.session_state import SessionState
 from station.workbench.worker import WorkerPool
 
 
 @dataclass
 class AppState:
-    """Settings, workers, the sessions on offer, those that are open, and the one capture at a time.
+    """Settings, workers, the sessions on offer, those that are open by their folder, and the one capture at a time.
 
     `temporary` is a folder that goes when the server ends.
     """
@@ -20,6 +20,10 @@ class AppState:
     settings: Settings
     workers: WorkerPool
     session_list: SessionList
-    sessions: SessionStates
     temporary: Path
+    sessions: dict[Path, SessionState] = field(default_factory=dict)
     capturing: CaptureRun | None = None
+
+    def session(self, folder: Path) -> SessionState:
+        """Open the session in a folder, unless a tab has opened it."""
+        return self.sessions.setdefault(folder, SessionState(folder, self.workers))

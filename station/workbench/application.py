@@ -10,10 +10,9 @@ from station.settings import Settings
 from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
 from station.workbench.page import Page
-from station.workbench.report_button import serve_reports
+from station.workbench.served_files import serve_files
 from station.workbench.session_list import SessionList
-from station.workbench.session_state import SessionStates
-from station.workbench.viewer_files import serve_viewer
+from station.workbench.warm_up import warm_up
 from station.workbench.worker import WorkerPool
 
 STATIC = Path(__file__).parent / "static"
@@ -36,15 +35,12 @@ def make(
 ) -> tuple[FastAPI, AppState]:
     """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
     workers = WorkerPool(settings)
-    state = AppState(
-        settings, workers, SessionList(settings.sessions, named, workers), SessionStates(workers), temporary
-    )
+    state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, token=token, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)
-    serve_viewer(app, temporary, state.session_list)
-    serve_reports(app, state.session_list)
-    nicegui_app.on_startup(lambda: background_tasks.create(workers.warm()))
+    serve_files(app, temporary, state.session_list)
+    nicegui_app.on_startup(lambda: background_tasks.create(workers.warm(warm_up)))
 
     @ui.page("/")
     def page(request: Request, session: str | None = None, step: int | None = None) -> None:
@@ -52,7 +48,7 @@ def make(
         for name in SCRIPTS:
             ui.add_head_html(f'<script src="/static/bench/{name}.js"></script>')
         ui.colors(primary="#00659e")
-        Page(state, session, request.headers["host"], step).build()
+        Page(state, session, request.headers["host"], step)
 
     ui.run_with(
         app,

@@ -13,7 +13,6 @@ from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StationError
 from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
-from daq.session import Session
 from firmware_protocol import Hello
 from station.exits import Problem
 from station.operations.new_session import new_folder
@@ -131,37 +130,21 @@ class CaptureRun(CaptureObserver):
             raise KeyboardInterrupt("cancelled on the workbench")
 
     def _run(self) -> None:
+        found: dict[str, Any] = {}
         try:
             with self._board as port:
                 session = capture(port, self._settings, self._folder, self)
+            found = {"session": session.folder, "verdict": session.verdict}
+            found["session"] = self._described(session.folder)
         except KeyboardInterrupt:
-            kept = self._folder if self._folder.is_dir() else None
-            self.now = replace(self.now, finished=True, problem="cancelled", kept=kept)
+            found = {"problem": "cancelled", "kept": self._folder if self._folder.is_dir() else None}
         except StationError as error:
-            self._failed(str(error), error.session)
+            found = {"problem": str(error), "kept": error.session}
         except Problem as error:
-            self._failed(str(error), None)
+            found["problem"] = str(error)
         except Exception as error:
-            self._failed(f"a fault of this program ({type(error).__name__}: {error})", None)
-        else:
-            self._done(session)
-
-    def _failed(self, sentence: str, kept: Path | None) -> None:
-        self.now = replace(self.now, finished=True, problem=sentence, kept=kept)
-
-    def _done(self, session: Session) -> None:
-        problem = ""
-        try:
-            folder = self._described(session.folder)
-        except Problem as error:
-            folder, problem = session.folder, str(error)
-        self.now = replace(
-            self.now,
-            finished=True,
-            problem=problem,
-            session=folder,
-            verdict=session.verdict,
-        )
+            found["problem"] = f"a fault of this program ({type(error).__name__}: {error})"
+        self.now = replace(self.now, finished=True, **found)
 
     def _described(self, folder: Path) -> Path:
         """Write what was filled in beside the scope into the session; return its folder, renamed where a name was given."""

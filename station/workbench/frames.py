@@ -15,8 +15,11 @@ from identify.fitting.problem import Problem
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.models import ModelFile
 from station.text.numbers import scale, typeset
-from station.workbench import view_models
-from station.workbench.build_view_models import EYE, MOST_POINTS, for_eye, numbers
+from station.workbench.view_models import Drawing, Numbers
+
+MOST_POINTS = 3000
+EYE = 2000
+"""Steps over the largest value that can be seen on a screen."""
 
 RINGS, SECTORS = 10, 32
 FEWEST = 4
@@ -25,42 +28,44 @@ FEWEST = 4
 UNKNOWN = 8.0
 """Times the median standard error above which nothing is known of a cell."""
 
-Places = NDArray[np.intp]
-
-
-@dataclass(frozen=True, eq=False)
-class Cells:
-    """A partition of the samples: the code of each cell that is visited, and in which of them each sample lies."""
-
-    codes: Places
-    member: Places
-
-    @property
-    def patterns(self) -> NDArray[np.float64]:
-        """A constant force in each cell, shape (samples, cells)."""
-        return np.asarray(self.member[:, None] == np.arange(len(self.codes)), dtype=float)
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What all frames of a session stand on: its release, the cells of the map, and the units that people read."""
+    """What all frames of a session stand on: its release, its `stage`, and the unit of forces that people read.
+
+    `member` says in which of the visited cells of the map each sample lies.
+    """
 
     prepared: PreparedDecay
-    stage: view_models.Stage
-    cycle: Cells
+    stage: Drawing
+    member: NDArray[np.intp]
     force_scale: float
 
 
+def numbers(values: Array, quantum: float) -> Numbers:
+    """Round values to a decimal place below `quantum`; None where they are not finite."""
+    places = max(0, -math.floor(math.log10(quantum))) if quantum > 0 else 0
+    return [value if math.isfinite(value) else None for value in np.round(values, places).tolist()]
+
+
 def frame_id(model: ModelFile) -> str:
-    """Return the name of a model's frame: the same model with the same values has the same."""
+    """Name a model's frame: the same model with the same values has the same."""
     return hashlib.sha256(model.model_dump_json().encode()).hexdigest()[:16]
 
 
 def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
-    """Return the axes and cells of a session; `fit` gives its window. They depend on the release alone, not on a model."""
+    """Settle the axes and cells of a session. They depend on the release alone, not on a model; `fit` gives its window.
+
+    The stage holds `time` (s since the release); `traces`, one for each channel: its name, the measured `values` in `unit`,
+    the noise `sigma` (standard deviation) in `fine_unit`; `cycle`, the cells of the map: edges of `rows` (amplitude) and
+    `columns` (phase, rad: 0 at the largest displacement, growing with time), and the `cells` that were visited, row *
+    columns + column; `velocity_per_amplitude`, the velocity that goes with one unit of amplitude; and the `units` of
+    displacement "u", velocity "v" and force "f".
+    """
     window, motion = fit.windows[0], prepared.motion
-    units = DiscrepancyText(window.unit, mass)
-    frequency = prepared.frequency
+    units, frequency = DiscrepancyText(window.unit, mass), prepared.frequency
     u, w = motion.displacement, motion.velocity / frequency
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
@@ -70,45 +75,42 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
     )  # reversals are edges
     amplitude = np.linspace(0.0, float(np.nanmax(size)) * (1.0 + 1e-9), rings + 1)
     phase = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
-    cycle = _cells(size, amplitude, angle, phase)
+    codes, member = np.unique(_place(size, amplitude) * sectors + _place(angle, phase), return_inverse=True)
     factor, unit = scale("displacement", window.unit)
-    step = max(1, math.ceil(len(window) / MOST_POINTS))
-    stage = view_models.Stage(
-        time=numbers(window.clock[::step], 1e-5),
-        velocity_per_amplitude=frequency / factor,
-        units={"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
-        traces=tuple(_trace(fit, channel, step) for channel in window.channels),
-        cycle=view_models.MapAxes(for_eye(amplitude * factor), for_eye(phase), cycle.codes.tolist()),
-    )
-    return Ground(prepared, stage, cycle, units.force_scale)
+    stage = {
+        "time": numbers(window.clock[:: _stride(fit)], 1e-5),
+        "velocity_per_amplitude": frequency / factor,
+        "units": {"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
+        "traces": [_trace(fit, channel) for channel in window.channels],
+        "cycle": {
+            "rows": numbers(amplitude * factor, amplitude[-1] * factor / EYE),
+            "columns": numbers(phase, phase[-1] / EYE),
+            "cells": codes.tolist(),
+        },
+    }
+    return Ground(prepared, stage, member, units.force_scale)
 
 
-def _cells(
-    first: NDArray[np.float64], first_edges: NDArray[np.float64],
-    second: NDArray[np.float64], second_edges: NDArray[np.float64],
-) -> Cells:  # fmt: skip
-    rows, columns = len(first_edges) - 1, len(second_edges) - 1
-    row = np.clip(np.searchsorted(first_edges, first, side="right") - 1, 0, rows - 1)
-    column = np.clip(np.searchsorted(second_edges, second, side="right") - 1, 0, columns - 1)
-    codes, member = np.unique(row * columns + column, return_inverse=True)
-    return Cells(codes, member)
+def _place(values: Array, edges: Array) -> NDArray[np.intp]:
+    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
 
 
-def _trace(fit: Fit, channel: str, step: int) -> view_models.Measured:
+def _trace(fit: Fit, channel: str) -> Drawing:
     window = fit.windows[0]
     factor, unit = scale(channel, window.unit)
     fine, fine_unit = scale(channel, window.unit, fine=True)
-    hole = _holes(fit, channel)
-    measured = np.where(hole, np.nan, window.readings[channel]) * factor
-    quantum = _quantum(fit, channel)
-    return view_models.Measured(
-        channel,
-        typeset(unit),
-        typeset(fine_unit),
-        numbers(measured[::step], quantum),
-        float(f"{window.sigma[channel] * fine:.4g}"),
-        fine / factor,
-    )
+    measured = np.where(_holes(fit, channel), np.nan, window.readings[channel]) * factor
+    return {
+        "channel": channel,
+        "unit": typeset(unit),
+        "fine_unit": typeset(fine_unit),
+        "values": numbers(measured[:: _stride(fit)], _quantum(fit, channel)),
+        "sigma": float(f"{window.sigma[channel] * fine:.4g}"),
+    }
+
+
+def _stride(fit: Fit) -> int:
+    return max(1, math.ceil(len(fit.windows[0]) / MOST_POINTS))
 
 
 def _holes(fit: Fit, channel: str) -> NDArray[np.bool_]:
@@ -125,21 +127,37 @@ def _quantum(fit: Fit, channel: str) -> float:
     return min(largest / EYE / 10, window.sigma[channel] * factor / 2)
 
 
-def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
-    """Work out what a fitted model leaves: its motion, each channel's residual, the force that it lacks in each cell.
+def frame_of(ground: Ground, fit: Fit) -> Drawing:
+    """Work out what a fitted model leaves: `model`, its readings, and `left`, the residual, channel by channel in the units
+    of the stage; `cycle` and `cycle_std`, the force that it lacks in each cell and its standard error.
 
     The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
     each cell takes up the residual; so its standard error is that of the readings' noise.
     """
-    shooting = shoot(*without_faults(ground.prepared, fit))
-    found = estimate_extra_force(shooting, ground.cycle.patterns)
-    known = found.std < UNKNOWN * np.median(found.std)
-    cycle, cycle_std = (np.where(known, one * ground.force_scale, np.nan) for one in (found.size, found.std))
-    return view_models.Frame(*motion_of(fit), _four(cycle), _four(cycle_std))
+    cells = np.arange(len(ground.stage["cycle"]["cells"]))
+    patterns = np.asarray(ground.member[:, None] == cells, dtype=float)
+    found = estimate_extra_force(shoot(*without_faults(ground.prepared, fit)), patterns)
+    usual = float(np.median(found.std))
+    force, std = (
+        np.where(found.std < UNKNOWN * usual, one * ground.force_scale, np.nan)
+        for one in (found.size, found.std)
+    )
+    seen = usual * ground.force_scale / 100
+    window, stride = fit.windows[0], _stride(fit)
+    models, lefts = [], []
+    for channel in window.channels:
+        factor, _ = scale(channel, window.unit)
+        small, _ = scale(channel, window.unit, fine=True)
+        left = np.where(_holes(fit, channel), np.nan, fit.residual(channel)) * small
+        quantum = max(float(window.sigma[channel] * small) / 10, float(np.nanmax(np.abs(left))) / EYE)
+        models.append(numbers(fit.predicted[0][channel][::stride] * factor, _quantum(fit, channel)))
+        lefts.append(numbers(left[::stride], quantum))
+    cycle, cycle_std = numbers(force, seen), numbers(std, seen)
+    return {"model": models, "left": lefts, "cycle": cycle, "cycle_std": cycle_std}
 
 
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
-    """Return a release and its fit, corrected for the sensors' faults in the model, which then has forces alone.
+    """Correct a release and its fit for the sensors' faults in the model, which then has forces alone.
 
     A fault would be taken for a force otherwise: the residual of a reading is laid to the motion.
     """
@@ -157,22 +175,3 @@ def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fi
     moved = {c: getattr(motion, c) - error[c] for c in ("displacement", "velocity") if c in error}
     right = replace(prepared, motion=replace(motion, **moved))
     return right, replace(fit, model=model, windows=(window.with_(readings=readings),))
-
-
-def motion_of(fit: Fit) -> tuple[tuple[view_models.Numbers, ...], tuple[view_models.Numbers, ...]]:
-    """Take the model's readings and the residual, channel by channel, in the units of the stage."""
-    window = fit.windows[0]
-    step = max(1, math.ceil(len(window) / MOST_POINTS))
-    models, lefts = [], []
-    for channel in window.channels:
-        factor, _ = scale(channel, window.unit)
-        fine, _ = scale(channel, window.unit, fine=True)
-        left = np.where(_holes(fit, channel), np.nan, fit.residual(channel)) * fine
-        sigma = float(window.sigma[channel] * fine)
-        models.append(numbers(fit.predicted[0][channel][::step] * factor, _quantum(fit, channel)))
-        lefts.append(numbers(left[::step], max(sigma / 10, float(np.nanmax(np.abs(left))) / EYE)))
-    return tuple(models), tuple(lefts)
-
-
-def _four(values: NDArray[np.float64]) -> view_models.Numbers:
-    return [float(f"{value:.4g}") if math.isfinite(value) else None for value in values.tolist()]

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from nicegui import ui
@@ -19,7 +19,6 @@ from station.operations.mystery import BOARD
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES
@@ -28,6 +27,7 @@ from station.text.guide_text import ENDINGS, gave, odds_before, odds_of, percent
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
+from station.workbench.parts import part
 
 TICK_S = 0.2
 _SHOWN = 5
@@ -35,9 +35,10 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class GuideNow:
-    """Where a guided test stands: what to do, why, how the capture goes, the last verdict, its odds, and those before.
+    """Where a guided test stands: what to do, why, how the capture goes, and the last verdict.
 
-    `gave` is the evidence that the last release gave, beside what was expected of it.
+    `gave` is the evidence that the last release gave, beside what was expected of it; `odds` has for each explanation
+    words, its title, and how probable it is.
     """
 
     to_do: str = ""
@@ -45,8 +46,7 @@ class GuideNow:
     capture: str = "asking the board"
     verdict: str = ""
     gave: str = ""
-    odds: tuple[HypothesisDocument, ...] = ()
-    before: dict[str, float] = field(default_factory=dict)
+    odds: tuple[tuple[str, str, float], ...] = ()
     finished: bool = False
 
 
@@ -56,6 +56,7 @@ class GuideRun(CaptureObserver):
     def __init__(self, board: AbstractContextManager[str], make: Callable[[str], GuidedTest]) -> None:
         self.now = GuideNow()
         self._board, self._make, self._ended = board, make, False
+        self._odds: dict[str, float] = {}
         threading.Thread(target=self._run, name="guide", daemon=True).start()
 
     def cancel(self) -> None:
@@ -88,8 +89,17 @@ class GuideRun(CaptureObserver):
         if document is None:
             self.now = replace(self.now, verdict=f"It told nothing: {turn.problem}", gave="")
             return
-        odds, before = tuple(turn.hypotheses[:_SHOWN]), odds_of(list(self.now.odds))
-        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds, before=before)
+        shown, before = turn.hypotheses[:_SHOWN], self._odds
+        self._odds = odds_of(shown)
+        odds = tuple(
+            (
+                f"{one.title}: {percent(one.odds or 0.0)} {odds_before(one, before)}",
+                one.title,
+                one.odds or 0.0,
+            )
+            for one in shown
+        )
+        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds)
 
     def _run(self) -> None:
         try:
@@ -118,22 +128,18 @@ class GuidePanel:
         self._settings, self._busy = settings, busy
         self._run: GuideRun | None = None
         self._shown: GuideNow | None = None
-
-    def build(self) -> None:
-        """Make the panel."""
         with ui.expansion("Guided test").props("dense").classes("card"):
             with ui.element("div") as self._form:
                 with widgets.line():
-                    self._low = _length("Least, mm", 2.0)
-                    self._high = _length("Largest, mm", 25.0)
-                self._port = ui.input("Port", value=self._settings.capture.port or "").props("dense outlined")
+                    self._low = widgets.number("Least, mm", 2.0)
+                    self._high = widgets.number("Largest, mm", 25.0)
+                self._port = ui.input("Port", value=settings.capture.port or "").props("dense outlined")
                 self._alone = ui.checkbox("The rig releases itself")
-                begin = widgets.button("Begin", self._begin, "Begin the guided test", strong=True)
-                simulate = widgets.button("No board? On a simulated rig", self._simulate)
-                for made in (begin, simulate):
-                    made.style("width:100%; margin-top:6px")
-            with ui.element("div").props("aria-live=polite") as self._place:
-                pass
+                widgets.button("Begin", self._begin, "Begin the guided test", strong=True, classes="wide")
+                widgets.button("No board? On a simulated rig", self._simulate, classes="wide")
+            self._place = widgets.html().props("aria-live=polite")
+            self._stop = widgets.button("Stop", self._cancel, "Stop the guided test")
+            self._stop.set_visibility(False)
         ui.timer(TICK_S, self._tick)
 
     def _begin(self) -> None:
@@ -143,7 +149,7 @@ class GuidePanel:
             ui.notify("give the port, and two amplitudes above 0, the smaller one first", type="warning")
             return
         ways = ("longer", "rest") if self._alone.value else ("push", "longer", "rest")
-        wanted = capture_settings(self._settings, session_info(self._settings, None, None, None, None))
+        wanted = capture_settings(self._settings, session_info(self._settings))
         self._start(nullcontext(port), wanted, Limits(low, high, ways=ways), bool(self._alone.value))
 
     def _simulate(self) -> None:
@@ -152,7 +158,7 @@ class GuidePanel:
         from station.operations.simulated_board import simulated_board
 
         seed = randbelow(MYSTERIES)
-        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}", None)
+        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}")
         wanted = replace(capture_settings(self._settings, info), check_clock=False)
         board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
         self._start(board, wanted, SIMULATED, True)
@@ -168,28 +174,21 @@ class GuidePanel:
             board, lambda port: GuidedTest(port, wanted, limits, folder, settings, alone=alone)
         )
 
+    def _cancel(self) -> None:
+        if self._run is not None:
+            self._run.cancel()
+
     def _tick(self) -> None:
         if self._run is None or self._run.now is self._shown:
             return
         now = self._shown = self._run.now
         self._form.set_visibility(now.finished)
-        self._place.clear()
-        with self._place:
-            widgets.label(now.to_do, "strong wrap")
-            widgets.label(now.why, "small wrap")
-            widgets.label(now.capture, "small faint wrap")
-            widgets.label(now.verdict, "strong wrap")
-            if now.gave:
-                widgets.label(f"It gave {now.gave}.", "small wrap")
-            for one in now.odds:
-                odds = one.odds or 0.0
-                widgets.label(f"{one.title}: {percent(odds)} {odds_before(one, now.before)}", "small")
-                ui.linear_progress(odds, show_value=False).props(f'aria-label="odds of {one.title}"')
-            if not now.finished:
-                widgets.button("Stop", self._run.cancel, "Stop the guided test")
-
-
-def _length(label: str, value: float) -> ui.number:
-    return (
-        ui.number(label, value=value, min=0, format="%g").props("dense outlined").style("flex:1; min-width:0")
-    )
+        self._stop.set_visibility(not now.finished)
+        said = [
+            (now.to_do, "strong"),
+            (now.why, "small"),
+            (now.capture, "small faint"),
+            (now.verdict, "strong"),
+            (f"It gave {now.gave}." if now.gave else "", "small"),
+        ]
+        self._place.content = part("lines", said) + part("odds", now.odds)

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
 from station.workbench import widgets
+from station.workbench.parts import part
 from station.workbench.view_models import ImportQuestion
 
 UNITS = ("s", "ms", "us", "m", "mm", "um", "rad", "deg", "m/s", "deg/s", "m/s^2", "g", "N", "V", "counts")
@@ -30,14 +31,14 @@ class ImportChoices:
                 run = f", run {field.run}" if field.run else ""
                 widgets.label(f"{column.place}{run}", "small strong wrap")
                 widgets.label(column.numbers, "small faint wrap")
-                widgets.sparkline(column.line)
+                widgets.html().content = part("sparkline", column.line)
                 role = _select(f"Role of {column.place}", list(ROLES), field.role)
                 units = list(dict.fromkeys(("", field.unit, *UNITS)))
                 unit = _select(f"Unit of {column.place}", units, field.unit)
                 unit.props("use-input hide-selected fill-input new-value-mode=add-unique")
                 self._boxes.append((role, unit))
-        self._rate = ui.number("Rate, Hz (in place of time stamps)", value=question.recipe.rate, min=0)
-        self._rate.props("dense outlined clearable")
+        rate = "Rate, Hz (in place of time stamps)"
+        self._rate = widgets.number(rate, question.recipe.rate).props("clearable")
         self._of_files: list[ui.input] = []
         if len(files) > 1:
             widgets.label(

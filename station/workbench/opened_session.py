@@ -1,59 +1,111 @@
-"""Sessions that a worker has opened: the prepared release and the frames of each are kept while the process lives."""
+"""Sessions that a worker has opened: each model of one is fitted and drawn once, however often it is looked at."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from daq.session import Session
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.fit import Fit, fit
 from station.exits import UsageProblem
-from station.operations.refining import Refinement, open_refinement
-from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.ladder import read_ladder
+from station.operations.refining import Refinement, open_refinement, step_again
+from station.results import diagnosis_document
+from station.results.ladder import LADDER, KeptStep, read_ladder
+from station.results.models import ModelFile, known_model, starting_values
 from station.settings import Settings
 from station.story.preparation import options_for
-from station.workbench.frame_store import FrameStore
+from station.workbench.frames import Ground, frame_id, frame_of, ground_of
+from station.workbench.view_models import Drawing
 
 MOST_OPEN = 8
+MOST_KEPT = 80
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Opened:
-    """A session whose release is prepared, kept while the process lives; `stamp` changes when the session does."""
+    """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
-    stamp: tuple[int, ...]
+    `stamp` changes when the session does. `drawn` are the frames and fits of models, by the frame's name, and `ground` is
+    settled by the first of them. `mass` is in kg.
+    """
+
+    stamp: tuple[object, ...]
+    mass: float | None
+    begun: Refinement
     refinement: Refinement
-    store: FrameStore
+    ground: Ground | None = None
+    drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
+
+    def draw(self, model: ModelFile, fitted: Callable[[], Fit]) -> str:
+        """Draw a model unless it was drawn before, and return the name of its frame."""
+        name = frame_id(model)
+        if name not in self.drawn:
+            found = fitted()
+            if self.ground is None:
+                self.ground = ground_of(self.refinement.prepared, found, self.mass)
+            while len(self.drawn) >= MOST_KEPT:
+                del self.drawn[next(iter(self.drawn))]
+            self.drawn[name] = frame_of(self.ground, found), found
+        return name
+
+    def draw_step(self, step: KeptStep) -> str:
+        """Draw a step of the ladder: fitted to the whole release at once, from its own values."""
+        return self.draw(step.model, lambda: fit_of(self.refinement, step))
+
+    def draw_suspect(self, model: ModelFile) -> str:
+        """Draw a suspect's model: fitted to the whole release near its values, which are not lost to another minimum."""
+        base = self.present_fit()
+        known = known_model(model, "the diagnosis", self.refinement.library)
+        start = starting_values(known, (self.refinement.prepared,))
+        return self.draw(model, lambda: fit(known.model, base.windows, start, base.frequency, near=True))
+
+    def present_fit(self) -> Fit:
+        """Fit the present model to the whole release."""
+        return self.drawn[self.draw_step(self.refinement.ladder.top)][1]
 
 
 _opened: dict[Path, Opened] = {}
 
 
 def open_session(settings: Settings, folder: Path) -> Opened:
-    """Return a session with its prepared release and its frames, as its results stand."""
+    """Open a session as its results stand; a release that was prepared before is prepared."""
     session = Session.open(folder)
-    raw = (folder / "raw.log").stat()
     ladder = read_ladder(session)
-    described = (folder / "session.json").stat()  # a mass that was given later changes the forces
-    stamp = (
-        raw.st_mtime_ns,
-        raw.st_size,
-        described.st_mtime_ns,
-        hash(ladder.gain_percent if ladder else None),
-    )
+    raw, described = (
+        (folder / "raw.log").stat(),
+        (folder / "session.json").stat(),
+    )  # a mass changes the forces
+    stamp = (raw.st_mtime_ns, raw.st_size, described.st_mtime_ns, ladder.gain_percent if ladder else None)
     known = _opened.get(folder)
     if known is None or known.stamp != stamp:
-        refinement = open_refinement(session, settings)
-        known = Opened(stamp, refinement, FrameStore(options_for(session, settings).mass))
         while len(_opened) >= MOST_OPEN:
-            _opened.pop(next(iter(_opened)))
-        _opened[folder] = known
-    if ladder is None:
-        return known
-    return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
+            del _opened[next(iter(_opened))]
+        begun = open_refinement(session, settings)
+        known = _opened[folder] = Opened(stamp, options_for(session, settings).mass, begun, begun)
+    known.refinement = known.begun if ladder is None else replace(known.begun, ladder=ladder, session=session)
+    return known
 
 
-def kept_diagnosis(session: Session) -> DiagnosisDocument | None:
-    """Return the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
+def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
+    """Fit a kept step to the whole release, from its values; a short release was fitted whole by the ladder."""
+    found = step_again(refinement, step).fit
+    if [len(window) for window in found.windows] == [len(refinement.prepared.window)]:
+        return found
+    known = known_model(step.model, "the ladder", refinement.library)
+    alone = {name: value for name, value in step.nuisances.items() if "[" not in name}
+    start = starting_values(known, (refinement.prepared,)) | alone
+    return fit_baseline((refinement.prepared,), known.model, start).fit
+
+
+def kept_diagnosis(session: Session) -> diagnosis_document.DiagnosisDocument | None:
+    """Read the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
     try:
-        return read_diagnosis(session)
+        return diagnosis_document.read_diagnosis(session)
     except UsageProblem:
         return None
+
+
+def results_stamp(folder: Path) -> tuple[int, ...]:
+    """Read a stamp that changes when a command, or another tab, has written results."""
+    files = [folder / "results" / name for name in (LADDER, diagnosis_document.NAME)]
+    return tuple(file.stat().st_mtime_ns if file.is_file() else 0 for file in files)

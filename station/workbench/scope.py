@@ -1,10 +1,10 @@
 """The live scope: the newest seconds of the channel that triggers, with its zero, its noise and the trigger level."""
 
 import time
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from daq.capture import CaptureSettings
 from daq.recording import Array, Channel
@@ -40,11 +40,9 @@ class ScopeTrace:
         self._settings = settings
         self._row = 0
         self._channel: Channel | None = None
-        self._kept: deque[tuple[float, float]] = deque()
-        self._rest: list[float] = []
+        self._times, self._values, self._rest = np.zeros(0), np.zeros(0), np.zeros(0)
         self._state, self._since = "", time.monotonic()
-        self._seen = 0
-        self._last = time.monotonic()
+        self._last = self._since
 
     def connected(self, channels: tuple[Channel, ...]) -> None:
         """Note the channels; the one that triggers is shown."""
@@ -61,15 +59,12 @@ class ScopeTrace:
         """Keep samples, shape (channels, n); they are spread over the time since the block before."""
         if self._channel is None or samples.shape[1] == 0:
             return
-        now = time.monotonic()
-        row = samples[self._row]
+        now, row = time.monotonic(), samples[self._row]
         if self._state == "resting":
-            self._rest = [*self._rest, *row.tolist()][-2000:]
-        moments = np.linspace(self._last, now, len(row) + 1)[1:]
-        self._kept.extend(zip(moments.tolist(), row.tolist(), strict=True))
-        self._last = now
-        while self._kept and self._kept[0][0] < now - SHOWN_S:
-            self._kept.popleft()
+            self._rest = np.append(self._rest, row)[-2000:]
+        times = np.append(self._times, np.linspace(self._last, now, len(row) + 1)[1:])
+        new = np.searchsorted(times, now - SHOWN_S)
+        self._times, self._values, self._last = times[new:], np.append(self._values, row)[new:], now
 
     def scope(self) -> Scope:
         """Choose the points to draw; extremes are kept where there are more samples than points."""
@@ -77,20 +72,23 @@ class ScopeTrace:
         if channel is None:
             return Scope()
         factor, unit = scale_as_recorded(channel.quantity, channel.unit)
-        zero, noise = (None, None) if len(self._rest) < 8 else (np.median(self._rest), np.std(self._rest))
-        level = None
-        if noise is not None:
+        zero = noise = level = None
+        if len(self._rest) >= 8:
+            zero, noise = factor * float(np.median(self._rest)), factor * float(np.std(self._rest))
             asked = self._settings.trigger_level
-            level = smallest_motion(channel, asked)
+            level = factor * smallest_motion(channel, asked)
             if asked is None:
-                level = max(level, TIMES_NOISE * float(noise), TIMES_RESOLUTION * (channel.resolution or 0.0))
+                resolution = factor * (channel.resolution or 0.0)
+                level = max(level, TIMES_NOISE * noise, TIMES_RESOLUTION * resolution)
+        shown = _extremes(self._values)
+        times, values = self._times[shown] - self._last, self._values[shown] * factor
         return Scope(
             channel.name,
             typeset(unit),
-            tuple((round(t - self._last, 3), float(f"{y * factor:.5g}")) for t, y in _extremes(self._kept)),
-            zero=None if zero is None else float(zero) * factor,
-            noise=None if noise is None else float(noise) * factor,
-            level=None if level is None else level * factor,
+            tuple((round(t, 3), float(f"{y:.5g}")) for t, y in zip(times, values, strict=True)),
+            zero=zero,
+            noise=noise,
+            level=level,
             left_s=self._left(),
         )
 
@@ -104,14 +102,9 @@ class ScopeTrace:
         return None if lasts is None else max(0.0, lasts - (time.monotonic() - self._since))
 
 
-def _extremes(kept: deque[tuple[float, float]]) -> list[tuple[float, float]]:
-    points = list(kept)
-    step = len(points) // POINTS
-    if step < 2:
-        return points
-    found: list[tuple[float, float]] = []
-    for start in range(0, len(points), 2 * step):
-        part = points[start : start + 2 * step]
-        ends = sorted({min(part, key=lambda p: p[1]), max(part, key=lambda p: p[1])})
-        found += ends
-    return found
+def _extremes(values: Array) -> NDArray[np.intp]:
+    """Choose samples in order: all where they are few, else the smallest and the largest of each part."""
+    if len(values) < 2 * POINTS:
+        return np.arange(len(values))
+    parts = np.array_split(np.arange(len(values)), POINTS // 2)
+    return np.unique([part[find(values[part])] for part in parts for find in (np.argmin, np.argmax)])

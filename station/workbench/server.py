@@ -21,20 +21,14 @@ STATIC = Path(__file__).parent / "static"
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """Return a socket that listens; port 0 takes a free one. UsageProblem where that is not possible."""
+    """Make a socket that listens; port 0 takes a free one. UsageProblem where that is not possible."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    opened = socket.socket(family, socket.SOCK_STREAM)
     try:
-        if os.name == "posix":
-            opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        opened.bind((host, port))
-        opened.listen(64)
+        return socket.create_server((host, port), family=family, backlog=64)
     except OSError as error:
-        opened.close()
         raise UsageProblem(
             f"{host}:{port} cannot be used ({error.strerror or error}); leave --port out for a free one"
         ) from error
-    return opened
 
 
 def serve(
@@ -52,7 +46,7 @@ def serve(
         import uvicorn
 
         from station.workbench.application import make
-        from station.workbench.sessions_panel import address_of
+        from station.workbench.session_list import address_of
 
         bound = opened.getsockname()[1]
         everywhere = host in ("0.0.0.0", "::")

@@ -3,26 +3,37 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from daq.errors import StationError
 from daq.session import SessionSummary, State, list_sessions
-from station.workbench import view_models
-from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
+from station.workbench.session_thumbnails import thumbnail_of
+from station.workbench.view_models import Thumbnail
 
 MOST = 200
 
 
+def address_of(key: str) -> str:
+    """Write the address of a session's page."""
+    return f"/?session={quote(key, safe='')}"
+
+
 @dataclass(frozen=True)
 class Entry:
-    """One session: its key in addresses, its folder, and what is said of it; `thumbnail` None while it is being made."""
+    """One session: its key in addresses, its folder, what is said of it, and its thumbnail where that was asked for."""
 
     key: str
     folder: Path
     date: str
     verdict: str
     problem: str
-    thumbnail: view_models.Thumbnail | None
+    thumbnail: Thumbnail | None
     notes: str = ""
+
+    @property
+    def address(self) -> str:
+        """Where its page is."""
+        return address_of(self.key)
 
     @property
     def words(self) -> str:
@@ -31,23 +42,20 @@ class Entry:
 
 
 class SessionList:
-    """The sessions of a folder and those named on the command line; thumbnails are made by workers and remembered."""
+    """The sessions of a folder and those named on the command line."""
 
-    def __init__(self, sessions: Path, named: tuple[Path, ...], workers: WorkerPool) -> None:
+    def __init__(self, sessions: Path, named: tuple[Path, ...]) -> None:
         self.sessions = sessions
         self.problem = ""
         self._named = tuple(folder.resolve() for folder in named)
-        self._workers = workers
-        self._thumbnails: dict[tuple[Path, int], view_models.Thumbnail] = {}
-        self._making = False
 
-    def entries(self) -> tuple[Entry, ...]:
-        """Return the sessions, those of the command line first, then the newest."""
+    def entries(self, thumbnails: bool = False) -> tuple[Entry, ...]:
+        """List the sessions, those of the command line first, then the newest."""
         self.problem = ""
         found: dict[str, Entry] = {}
         try:
             for summary in self._summaries():
-                entry = self._entry(summary)
+                entry = _entry(summary, thumbnails)
                 found.setdefault(entry.key, entry)
         except StationError as error:
             self.problem = str(error)
@@ -60,46 +68,24 @@ class SessionList:
             yield from reversed(list_sessions(self.sessions))
 
     def folder_of(self, key: str) -> Path | None:
-        """Return the folder of a session by its key; None when there is none (nothing outside can be named)."""
+        """Find the folder of a session by its key; None when there is none (nothing outside can be named)."""
         return next((entry.folder for entry in self.entries() if entry.key == key), None)
 
-    def _entry(self, summary: SessionSummary) -> Entry:
-        folder, info = summary.folder.resolve(), summary.info
-        if info is None:
-            return Entry(folder.name, folder, "", "damaged", summary.problem, None)
-        date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
-        word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
-        notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
-        return Entry(folder.name, folder, date, word, "", self._thumbnails.get(_stamp(folder)), notes)
-
-    async def make_thumbnails(self) -> bool:
-        """Make the thumbnails that are missing, one at a time; True where one was made."""
-        if self._making:
-            return False
-        self._making = True
-        made = False
-        try:
-            for entry in self.entries():
-                if entry.thumbnail is None and not entry.problem and entry.verdict != State.RECORDING.value:
-                    thumbnail = await self._thumbnail(entry.folder)
-                    self._thumbnails[_stamp(entry.folder)] = thumbnail
-                    made = True
-        finally:
-            self._making = False
-        return made
-
-    async def _thumbnail(self, folder: Path) -> view_models.Thumbnail:
-        try:
-            found: view_models.Thumbnail = await self._workers.do(Job(), "thumbnails", "thumbnail", folder)
-        except Cancelled:
-            return view_models.Thumbnail("", [], "")
-        except Failed as failure:
-            return view_models.Thumbnail("", [], str(failure))
-        return found
+    def result_of(self, key: str, name: str) -> Path | None:
+        """Find a file among the results of a session; None when there is none."""
+        folder = self.folder_of(key)
+        file = None if folder is None else folder / "results" / name
+        return file if file is not None and file.is_file() and not file.is_symlink() else None
 
 
-def _stamp(folder: Path) -> tuple[Path, int]:
-    try:
-        return folder, (folder / "raw.log").stat().st_mtime_ns
-    except OSError:
-        return folder, 0
+def _entry(summary: SessionSummary, with_thumbnail: bool) -> Entry:
+    folder, info = summary.folder.resolve(), summary.info
+    if info is None:
+        return Entry(folder.name, folder, "", "damaged", summary.problem, None)
+    date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
+    word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
+    notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
+    raw = folder / "raw.log"
+    drawn = with_thumbnail and info.state is not State.RECORDING and raw.is_file()
+    thumbnail = thumbnail_of(folder, raw.stat().st_mtime_ns) if drawn else None
+    return Entry(folder.name, folder, date, word, "", thumbnail, notes)

@@ -1,55 +1,63 @@
 """What the page says of each model beside its picture: how much it leaves, and what a suspect would explain."""
 
-from typing import Any
+import math
 
 from identify.formatting import plain_name
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
 from station.text.diagnosis_text import parameters
 from station.text.numbers import three_figures
-from station.workbench import view_models
-from station.workbench.ladder_bars import share
+from station.workbench.view_models import Drawing, View
+
+LEAST = 0.5
+"""Reduced chi-square at which the bars of the ladder begin, so that a model at the floor still has one."""
 
 
-def says_of(view: view_models.View, summary: str) -> dict[str, dict[str, Any]]:
+def share(chi_square: float | None, ladder: KeptLadder) -> float:
+    """Place a reduced chi-square on the logarithmic track of the ladder's bars, in %; all of it where it is not known."""
+    largest = max([step.error.chi2 or 1.0 for step in ladder.steps] + [2.0])
+    value = largest if chi_square is None else chi_square
+    place = math.log(max(value, LEAST) / LEAST) / math.log(largest / LEAST)
+    return round(100.0 * min(1.0, place), 1)
+
+
+def says_of(view: View, summary: str) -> dict[str, Drawing]:
     """Write the words of each step, as "step0", and of each suspect, by its effect.
 
     `summary` tells where the present model fails, as soon as that is known.
     """
-    found: dict[str, dict[str, Any]] = {}
-    for place, step in enumerate(view.ladder.steps):
-        found[f"step{place}"] = _step(view, place, step, summary)
-    if view.diagnosis is not None:
-        for suspect in view.diagnosis.suspects:
-            name, values = plain_name(suspect.effect), parameters(suspect)
-            told = with_effect(view.ladder, name, suspect.motion_percent, suspect.error_after, values)
-            found[suspect.effect] = told
+    found = {
+        f"step{place}": _step(view, place, step, summary) for place, step in enumerate(view.ladder.steps)
+    }
+    for suspect in view.diagnosis.suspects if view.diagnosis is not None else ():
+        name, values = plain_name(suspect.effect), parameters(suspect)
+        found[suspect.effect] = with_effect(
+            view.ladder, name, suspect.motion_percent, suspect.error_after, values
+        )
     return found
 
 
-def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> dict[str, Any]:
-    error, floor = step.error, step.at_floor
-    present = place == view.ladder.present
+def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:
+    error, present = step.error, place == view.ladder.present
     name = f"the {step.name}" if present else f"step {place}"
-    what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
     more = " + ".join(plain_name(name) for name in step.effects)
-    if present and floor:
+    if present and step.at_floor:
         more = f"Only noise remains. {more}"
     elif present and summary:
         more = summary
     called = step.began if place == 0 else f"with {plain_name(step.added)}" if step.added else name
     return {
         "big": f"{three_figures(error.motion_percent)} %",
-        "what": what,
+        "what": f"of the motion: residual of {name}, {times(error.chi2)} times the noise",
         "more": more,
         "short": f"{called}: {times(error.chi2)} × noise",
-        "floor": floor,
+        "floor": step.at_floor,
     }
 
 
 def with_effect(
     ladder: KeptLadder, called: str, motion: float | None, chi2: float | None, more: str
-) -> dict[str, Any]:
+) -> Drawing:
     """Say what the present model leaves with one more effect, what that explains, and `more`."""
     words = explained_words(ladder.top.error.chi2, chi2, ladder.top.chi2_std)
     return {
@@ -59,6 +67,6 @@ def with_effect(
         "more": f"It {words}. {more}" if words else more,
         "short": f"with {called}: {times(chi2)} × noise",
         "times": times(chi2),
-        "share": round(share(chi2, ladder)[0], 1),
+        "share": share(chi2, ladder),
         "floor": False,
     }

@@ -58,10 +58,6 @@ def describe(folder: Path, **changes: Any) -> None:
 def to_bin(folder: Path) -> Path:
     """Move a session into the bin beside it, from which it can be taken back by hand; return where it is now."""
     place = folder.parent / BIN / f"{folder.name}_{time.strftime('%Y%m%d_%H%M%S')}"
-    number = 1
-    while place.exists():
-        number += 1
-        place = place.with_name(f"{place.name}_{number}")
     place.parent.mkdir(exist_ok=True)
     _move(folder, place)
     return place

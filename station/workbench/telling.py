@@ -1,8 +1,10 @@
 """What the tabs of the page tell, in words, tables and pictures: as the commands and the report tell it."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from daq.errors import StationError
 from daq.session import Session
@@ -16,7 +18,6 @@ from station.report.failure import where_it_fails
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import read_ladder
 from station.settings import Settings
-from station.story.pipeline import Progress
 from station.text import comparison_text, identification_text, table, validation_text
 from station.text.content import Figure, Paragraph, Told, facts
 from station.text.curves_text import curves_caption
@@ -26,12 +27,18 @@ from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import DARK, LIGHT, Look
 from station.workbench.opened_session import kept_diagnosis, open_session
-from station.workbench.view_models import Sent
+from station.workbench.parts import part
+from station.workbench.worker import Say
 
 
-def compared(settings: Settings, progress: Progress, folder: Path, dark: bool) -> Told:
+def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told], *arguments: Any) -> str:
+    """Write what one of the functions below tells as HTML."""
+    return part("told", what(settings, say, folder, *arguments))
+
+
+def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
-    progress("comparing with the measurement")
+    say("comparing with the measurement")
     refinement, look = open_session(settings, folder).refinement, _look(dark)
     session, prepared, library = refinement.session, refinement.prepared, refinement.library
     found, _ = compare_session(session, settings, prepared=prepared)
@@ -44,10 +51,10 @@ def compared(settings: Settings, progress: Progress, folder: Path, dark: bool) -
         if kept is not None:
             drawn = curves(kept.curves, kept.names, look)
             parts = (Figure(curves_caption(kept.names, kept.curves), drawn), *parts)
-    return _sent(replace(words, brief=parts, more=()))
+    return replace(words, brief=parts, more=())
 
 
-def recorded(settings: Settings, progress: Progress, folder: Path, dark: bool) -> Told:
+def recorded(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Show a record that allows no analysis as it stands; nothing where it cannot be read."""
     try:
         recording = Session.open(folder).recording()
@@ -58,17 +65,17 @@ def recorded(settings: Settings, progress: Progress, folder: Path, dark: bool) -
     look = _look(dark)
     with inked(look):
         drawn = record(recording, look=look)
-    return _sent(Told("", "", (Figure("The channels as they were recorded.", drawn),)))
+    return Told("", "", (Figure("The channels as they were recorded.", drawn),))
 
 
-def identified(settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]) -> Told:
+def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> Told:
     """Tell what both methods find in a session, beside others in the tables; those that hold too little say why."""
-    progress(f"identifying {folder.name}")
+    say(f"identifying {folder.name}")
     session = Session.open(folder)
     result, document = identify_session(session, kept_options(session, settings))
     documents, left_out = [document], []
     for place, other in enumerate(others):
-        progress(f"identifying {other.name}: {place + 1} of {len(others)}")
+        say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
             beside = Session.open(other)
             found = identify_session(beside, kept_options(beside, settings))[1]
@@ -92,10 +99,10 @@ def identified(settings: Settings, progress: Progress, folder: Path, others: tup
     return replace(words, brief=parts)
 
 
-def validated(settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]) -> Told:
+def validated(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> Told:
     """Predict other sessions by the present model, and tell how well."""
     chosen = tuple(str(other) for other in others)
-    return validation_text.told(validate_sessions(str(folder), chosen, settings, progress=progress))
+    return validation_text.told(validate_sessions(str(folder), chosen, settings, progress=say))
 
 
 def _units(document: IdentificationDocument) -> tuple[str, bool]:
@@ -104,12 +111,3 @@ def _units(document: IdentificationDocument) -> tuple[str, bool]:
 
 def _look(dark: bool) -> Look:
     return DARK if dark else LIGHT
-
-
-def _sent(told: Told) -> Told:
-    """Draw the pictures, so that they go through a pipe."""
-    brief = (
-        replace(part, picture=Sent(part.picture.uri)) if isinstance(part, Figure) else part
-        for part in told.brief
-    )
-    return replace(told, brief=tuple(brief))

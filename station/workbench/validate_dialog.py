@@ -2,47 +2,34 @@
 
 from nicegui import ui
 
-from station.workbench import widgets
-from station.workbench.others_menu import OthersMenu
+from station.workbench import telling, widgets
+from station.workbench.others_menu import others_menu
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.telling_panel import TellingPanel
 
 
-class ValidateDialog:
-    """Choose releases, and read how well they are predicted."""
+def validate_dialog(session: SessionState, session_list: SessionList) -> ui.dialog:
+    """Make the dialog, closed: choose releases, and read how well they are predicted."""
 
-    def __init__(self, session: SessionState, session_list: SessionList) -> None:
-        self._session = session
-        self._others = OthersMenu(session, session_list)
-        self._told = TellingPanel(session, "validated", "predicting")
-
-    def build(self) -> None:
-        """Make the dialog, closed."""
-        with ui.dialog() as self._dialog, ui.element("div").classes("card dialog"):
-            widgets.label("Validate on another release", "strong")
-            widgets.label(
-                "The physics of the model stays as it is; only the start, the zero and the lag of the other release are "
-                "fitted. A model that is right predicts it better than the usual one.",
-                "small wrap",
-            )
-            with widgets.line():
-                self._others.build()
-                widgets.button("Validate", self._validate, strong=True)
-                widgets.button("Close", self._close)
-            with ui.element("div").props("aria-live=polite"):
-                self._told.build()
-
-    def open(self) -> None:
-        """Show the dialog."""
-        self._dialog.open()
-
-    def _close(self) -> None:
-        self._told.cancel()
-        self._dialog.close()
-
-    async def _validate(self) -> None:
-        if self._session.others:
-            await self._told.open(self._session.others)
+    async def validate() -> None:
+        if session.others:
+            await told.open(session.others)
         else:
             ui.notify("Choose at least one other release.")
+
+    with ui.dialog() as dialog, ui.element("div").classes("card dialog"):
+        widgets.label("Validate on another release", "strong")
+        widgets.label(
+            "The physics of the model stays as it is; only the start, the zero and the lag of the other release are "
+            "fitted. A model that is right predicts it better than the usual one.",
+            "small wrap",
+        )
+        with widgets.line():
+            others_menu(session, session_list)
+            widgets.button("Validate", validate, strong=True)
+            widgets.button("Close", dialog.close)
+        with ui.element("div").props("aria-live=polite"):
+            told = TellingPanel(session, telling.validated, "predicting")
+    dialog.on_value_change(lambda e: None if e.value else told.cancel())
+    return dialog

@@ -8,6 +8,10 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 
 Numbers = list[float | None]
+"""Values to draw, None where nothing is known."""
+
+Drawing = dict[str, Any]
+"""What the page's script draws; `frames.ground_of` and `frames.frame_of` say what is in it."""
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""
@@ -33,70 +37,19 @@ class ImportQuestion:
 
 @dataclass(frozen=True)
 class Campaign:
-    """What came of several files: the names of the sessions, and the campaign in 80 columns."""
+    """What came of several files: the names of the sessions, and what a campaign tells of them, as HTML."""
 
     sessions: list[str]
-    text: str
-
-
-@dataclass(frozen=True)
-class Measured:
-    """One channel as it was measured, in `unit`; `sigma` is its noise in `fine_unit`, `fine` the factor between the two."""
-
-    channel: str
-    unit: str
-    fine_unit: str
-    values: Numbers
-    sigma: float
-    fine: float
-
-
-@dataclass(frozen=True, eq=False)
-class MapAxes:
-    """Cells of a map: edges of rows and of columns, and the cells that were visited, row * columns + column."""
-
-    rows: Numbers
-    columns: Numbers
-    cells: list[int]
-
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """What stays while models change: the measurement, and the axes and cells of the map, from the release alone.
-
-    `time` is in s since the release. `cycle` has rows of amplitude and columns of phase (rad; 0 at the largest
-    displacement, growing with time); `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units`
-    are those of displacement "u", velocity "v" and force "f".
-    """
-
-    time: Numbers
-    velocity_per_amplitude: float
-    units: dict[str, str]
-    traces: tuple[Measured, ...]
-    cycle: MapAxes
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """What one model leaves: its readings and the misfit of each channel, and the force that it lacks in each cell.
-
-    Forces and their standard errors are in the stage's unit, None where nothing is known. `says` is what to say of a model
-    that is on no step.
-    """
-
-    model: tuple[Numbers, ...]
-    left: tuple[Numbers, ...]
-    cycle: Numbers
-    cycle_std: Numbers
-    says: dict[str, Any] = field(default_factory=dict)
+    told: str
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Frames by their names, and the names of those of suspects by effect."""
+    """Frames by their names; of effects that may be added the name of each one's frame, and what is said of it."""
 
-    frames: dict[str, Frame]
+    frames: dict[str, Drawing] = field(default_factory=dict)
     suspects: dict[str, str] = field(default_factory=dict)
+    says: dict[str, Drawing] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +65,8 @@ class View:
     diagnosis: DiagnosisDocument | None = None
     equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
-    stage: Stage | None = None
-    frames: dict[str, Frame] = field(default_factory=dict)
+    stage: Drawing = field(default_factory=dict)
+    frames: dict[str, Drawing] = field(default_factory=dict)
     step_frames: tuple[str, ...] = ()
     note: str = ""
     with_mass: dict[str, str] = field(default_factory=dict)
@@ -122,21 +75,12 @@ class View:
     @property
     def about_present(self) -> bool:
         """Whether the diagnosis is about the present model."""
-        return self.diagnosis is not None and list(self.diagnosis.model.effects) == list(
-            self.ladder.top.effects
-        )
+        return self.diagnosis is not None and self.diagnosis.model.effects == list(self.ladder.top.effects)
 
     @property
     def at_floor(self) -> bool:
         """Whether the present model leaves no more than noise does."""
         return self.ladder.top.at_floor
-
-
-@dataclass(frozen=True)
-class Sent:
-    """A picture that was drawn by a worker, as a data URI."""
-
-    uri: str
 
 
 @dataclass(frozen=True)

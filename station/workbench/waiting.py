@@ -1,43 +1,60 @@
-"""A place of the page in which one task at a time is done: what it does meanwhile, and a way to cancel it."""
+"""What runs, how far it is, and a way to stop it: a line that is seen only while something runs."""
 
+import asyncio
+from collections.abc import Callable
 from typing import Any
 
+from nicegui import ui
+
 from station.workbench import widgets
-from station.workbench.worker import Job, WorkerPool
+from station.workbench.worker import Task, WorkerPool
+
+
+class BusyLine:
+    """The line; `cancel` is called to stop what runs."""
+
+    def __init__(self, cancel: Callable[[], object], classes: str = "") -> None:
+        with widgets.line(classes).props("role=status aria-live=polite") as self._line:
+            widgets.spinner()
+            self._label = widgets.label("", "small grow wrap")
+            self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
+            self._bar.classes("share").set_visibility(False)
+            widgets.button("Cancel", cancel)
+        self.show("")
+
+    def show(self, words: str, share: float | None = None) -> None:
+        """Say what runs and how far it is, 0 to 1; nothing runs without words."""
+        self._line.set_visibility(bool(words))
+        self._label.text = words
+        self._bar.set_visibility(share is not None)
+        self._bar.value = round(share or 0.0, 2)
 
 
 class Waiting:
-    """A line that is seen only while its task is done; `job` is that task."""
+    """A place of the page in which one task at a time is done."""
 
     def __init__(self, workers: WorkerPool) -> None:
         self._workers = workers
-        self._words = ""
-        self.job: Job | None = None
+        self._line = BusyLine(self.cancel)
+        self._job: asyncio.Future[Any] | None = None
 
-    def build(self) -> None:
-        """Make the line, empty."""
-        self._place = widgets.line().props("aria-live=polite")
+    @property
+    def busy(self) -> bool:
+        """Whether a task is under way."""
+        return self._job is not None
 
-    async def do(self, words: str, key: str, task: str, *arguments: Any) -> Any:
-        """Do a task and return its result, saying `words`, then what it says of itself; raises Failed or Cancelled."""
-        self._words, job = words, Job()
-        self.job = job
-        self._place.clear()
-        with self._place:
-            widgets.spinner()
-            widgets.label("", "small grow wrap").bind_text_from(self, "_words")
-            widgets.button("Cancel", job.cancel)
+    async def do(self, words: str, key: str, task: Task, *arguments: Any) -> Any:
+        """Do a task and return its result, saying `words`, then what it says of itself. Raises Failed, or CancelledError."""
+        self._line.show(words)
+        job = self._job = asyncio.ensure_future(self._workers.do(key, task, *arguments, say=self._line.show))
         try:
-            return await self._workers.do(job, key, task, *arguments, progress=self._note)
+            return await job
         finally:
-            if self.job is job:
-                self.job = None
-                self._place.clear()
+            if self._job is job:
+                self._job = None
+                self._line.show("")
 
     def cancel(self) -> None:
         """End the task where one is under way."""
-        if self.job is not None:
-            self.job.cancel()
-
-    def _note(self, words: str) -> None:
-        self._words = words
+        if self._job is not None:
+            self._job.cancel()

@@ -12,8 +12,8 @@ from identify.preprocessing.prepared_decay import prepare
 RATE, SECONDS, FREQUENCY, DECAY, AMPLITUDE = 256.0, 6.0, 25.0, 0.25, 0.02
 
 
-def warm_up() -> None:
-    """Fit, extend and compare a decay in closed form with a little noise."""
+def warm_up(*_: object) -> None:
+    """Fit, extend and compare a decay in closed form with a little noise; a worker's task like the others."""
     draw = np.random.default_rng(1)
     time = np.arange(-RATE, RATE * SECONDS) / RATE
     moving = np.maximum(time, 0.0)

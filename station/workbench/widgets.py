@@ -1,23 +1,22 @@
 """Small parts that every panel is made of."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from nicegui import ui
 
-from station.workbench.view_models import Numbers
-
-WIDTH, HEIGHT = 84, 26
-"""Of a sparkline, pixels."""
+CLICKED = """(event) => { const at = event.target.closest("[data-do]");
+  if (at && at.role === "switch") event.preventDefault();  // it turns when the model has changed
+  if (at) emit(at.dataset.do, at.dataset.to || "") }"""
 
 
 def card(classes: str = "") -> ui.element:
-    """Return a box; used as a context."""
+    """Make a box; used as a context."""
     return ui.element("section").classes(f"card {classes}")
 
 
 def line(classes: str = "") -> ui.element:
-    """Return a row of things side by side; used as a context."""
+    """Make a row of things side by side; used as a context."""
     return ui.element("div").classes(f"line {classes}")
 
 
@@ -32,14 +31,18 @@ def label(text: str, classes: str = "") -> ui.label:
     return ui.label(text).classes(classes)
 
 
+def html(classes: str = "", does: Mapping[str, Callable[[str], Any]] | None = None) -> ui.html:
+    """Make a place for what `parts.part` writes; `does` are the actions of its elements, each called with its `data-to`."""
+    made = ui.html("", sanitize=False).classes(classes)
+    if does is not None:
+        made.on("click", lambda e: does[e.args[0]](e.args[1]), js_handler=CLICKED)
+    return made
+
+
 def spinner(size: int = 18) -> ui.element:
     """Show that something runs; it turns by the compositor, so that a computation beside it loses nothing."""
-    return (
-        ui.element("span")
-        .classes("turning")
-        .style(f"width:{size}px; height:{size}px")
-        .props("aria-hidden=true")
-    )
+    made = ui.element("span").classes("turning").style(f"width:{size}px; height:{size}px")
+    return made.props("aria-hidden=true")
 
 
 def button(
@@ -55,30 +58,27 @@ def button(
     return made
 
 
-def sparkline(line: Numbers) -> ui.html:
-    """Show the outline of a decay, -1 to 1; an empty box without points. Made of numbers only."""
-    steps = max(len(line) - 1, 1)
-    points = " ".join(
-        f"{WIDTH * i / steps:.1f},{HEIGHT / 2 * (1 - 0.92 * value):.1f}"
-        for i, value in enumerate(line)
-        if value is not None
-    )
-    return ui.html(
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" aria-hidden="true">'
-        f'<polyline points="{points}" fill="none" stroke="currentColor" stroke-width="1"/></svg>',
-        sanitize=False,
-    )
+def number(label: str, value: float | None = None) -> ui.number:
+    """Make a field for a number that is not negative."""
+    made = ui.number(label, value=value, min=0, format="%g").props("dense outlined")
+    made.props["aria-label"] = label
+    return made
 
 
 def chart(name: str, label: str, classes: str) -> None:
     """Show a chart, which the page's script draws under its `name`."""
     made = ui.echart({}).classes(f"plot {classes}")
-    made.props["data-plot"] = name
-    made.props["tabindex"] = "0"
-    made.props["role"] = "img"
-    made.props["aria-label"] = label
+    made.props.update({"data-plot": name, "tabindex": "0", "role": "img", "aria-label": label})
 
 
 def run(script: str) -> None:
     """Run a script in the tab, without waiting for it."""
     ui.run_javascript(script)
+
+
+async def is_dark() -> bool:
+    """Ask the tab whether it shows dark colours; one that was closed meanwhile does not."""
+    try:
+        return bool(await ui.run_javascript("bench.dark()", timeout=20.0))
+    except TimeoutError:
+        return False

@@ -1,13 +1,12 @@
-"""Workers: processes that compute while the page stays awake; one is cancelled by ending it."""
+"""Workers: processes that compute while the page stays awake. Cancelling who waits for a task ends its process."""
 
 import asyncio
 import contextlib
 import multiprocessing
 import signal
-import threading
 import traceback
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -17,24 +16,23 @@ from daq.session import finish_change
 from station import exits
 from station.library_messages import say_in_one_line
 from station.settings import Settings
-from station.story.pipeline import Progress, silent
+from station.story.pipeline import silent
 
 MOST = 2
-STOP_S = 5.0
-LOOK_S = 0.1
-"""How often a task that waits for a worker looks whether it was cancelled."""
 
+Say = Callable[[Any], None]
+"""Called with what a task does, in words, or with a part of what it finds."""
 
-class Cancelled(Exception):
-    """The operator cancelled a computation."""
+Task = Callable[..., Any]
+"""A function of a module, called with the settings, a `Say`, and arguments."""
 
 
 class Failed(Exception):
-    """A computation failed; the message is a sentence for the operator, `code` the exit code it would have."""
+    """A computation failed; the message is a sentence for the operator."""
 
-    def __init__(self, sentence: str, code: int = exits.UNEXPECTED) -> None:
-        super().__init__(sentence)
-        self.code = code
+
+class Ended(Exception):
+    """The process ended before its task did."""
 
 
 class Worker:
@@ -51,51 +49,38 @@ class Worker:
         self.served: set[str] = set()
         self.busy = False
 
-    @property
-    def alive(self) -> bool:
-        """Whether the process runs."""
-        return self._process.is_alive()
-
-    def do(self, task: str, arguments: tuple[Any, ...], progress: Progress) -> Any:
-        """Do a task and return its result; blocks. Raises Failed, or Cancelled when the process was ended."""
+    def do(self, task: Task, arguments: tuple[Any, ...], say: Say) -> Any:
+        """Do a task and return its result; blocks. Raises Failed, or Ended."""
         try:
             self._pipe.send((task, arguments))
             while True:
                 kind, content = self._pipe.recv()
-                if kind == "progress":
-                    progress(content)
+                if kind == "said":
+                    say(content)
                 elif kind == "done":
                     return content
                 else:
-                    raise Failed(*content)
+                    raise Failed(content)
         except (EOFError, OSError) as error:
-            raise Cancelled from error
+            raise Ended from error
 
     def end(self) -> None:
-        """End the process; a task that it is doing raises Cancelled."""
-        self._process.terminate()
-        self._process.join(STOP_S)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join(STOP_S)
+        """End the process; a task that it is doing raises Ended."""
+        self._process.kill()
+        self._process.join()
 
 
 def _serve(pipe: Connection, settings: Settings) -> None:
     """Do what comes through the pipe until it is closed; runs in the worker's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then ends its workers
     say_in_one_line()
-    from station.workbench import tasks
-
-    def progress(text: str) -> None:
-        pipe.send(("progress", text))
-
     try:
         while True:
-            name, arguments = pipe.recv()
+            task, arguments = pipe.recv()
             try:
-                result = tasks.TASKS[name](settings, progress, *arguments)
+                result = task(settings, lambda content: pipe.send(("said", content)), *arguments)
             except Exception as error:
-                pipe.send(("failed", (_sentence(error), exits.code_of(error))))
+                pipe.send(("failed", _sentence(error)))
             else:
                 pipe.send(("done", result))
     except (EOFError, OSError):  # the server has gone
@@ -119,23 +104,6 @@ def _finish_changes(arguments: tuple[Any, ...]) -> None:
                 finish_change(folder)
 
 
-@dataclass(eq=False)
-class Job:
-    """A task under way: `cancel` ends it."""
-
-    worker: Worker | None = None
-    cancelled: bool = False
-    lock: threading.Lock = field(default_factory=threading.Lock)
-
-    def cancel(self) -> None:
-        """End the task; the pool starts another worker."""
-        with self.lock:
-            self.cancelled = True
-            worker = self.worker
-        if worker is not None:
-            worker.end()
-
-
 class WorkerPool:
     """A few workers that share the tasks; those of one key go to the one whose cache knows it where it is free."""
 
@@ -143,63 +111,47 @@ class WorkerPool:
         self._settings = settings
         self._workers = [Worker(settings) for _ in range(most)]
         self._free = asyncio.Condition()
-        self._threads = ThreadPoolExecutor(most, thread_name_prefix="workers")
+        self._threads = ThreadPoolExecutor(thread_name_prefix="workers")
 
-    async def do(self, job: Job, key: str, task: str, *arguments: Any, progress: Progress = silent) -> Any:
-        """Do a task when a worker is free; raises Failed or Cancelled."""
-        worker = await self._take(job, key)
+    async def do(self, key: str, task: Task, *arguments: Any, say: Say = silent) -> Any:
+        """Do a task when a worker is free; `say` is called in this loop. Raises Failed; cancelled, it ends the worker."""
+        loop, worker = asyncio.get_running_loop(), await self._take(key)
+
+        def said(content: Any) -> None:
+            loop.call_soon_threadsafe(say, content)
+
         try:
-            if job.cancelled:
-                raise Cancelled
-            loop = asyncio.get_running_loop()
-            result = await loop.run_in_executor(self._threads, worker.do, task, arguments, progress)
-        except Cancelled:
+            return await loop.run_in_executor(self._threads, worker.do, task, arguments, said)
+        except (asyncio.CancelledError, Ended) as ended:
+            await asyncio.to_thread(worker.end)
             await asyncio.to_thread(_finish_changes, arguments)
-            if job.cancelled:
-                raise
-            raise Failed(
-                "the computation ended unexpectedly (out of memory?); nothing recorded is lost"
-            ) from None
+            self._workers[self._workers.index(worker)] = Worker(self._settings)
+            if isinstance(ended, Ended):
+                lost = "the computation ended unexpectedly (out of memory?); nothing recorded is lost"
+                raise Failed(lost) from None
+            raise
         finally:
-            await self._give_back(job, worker)
-        if job.cancelled:
-            raise Cancelled
-        return result
+            async with self._free:
+                worker.busy = False
+                self._free.notify()
 
-    async def warm(self) -> None:
-        """Let every worker compile what it will need."""
-        for number in range(len(self._workers)):
-            try:
-                await self.do(Job(), f"warm {number}", "warm")
-            except (Cancelled, Failed):
-                return
+    async def _take(self, key: str) -> Worker:
+        async with self._free:
+            await self._free.wait_for(lambda: not all(worker.busy for worker in self._workers))
+            idle = [worker for worker in self._workers if not worker.busy]
+            worker = next((w for w in idle if key in w.served), min(idle, key=lambda w: len(w.served)))
+            worker.busy = True
+            worker.served.add(key)
+            return worker
+
+    async def warm(self, task: Task) -> None:
+        """Let one worker after the other do a task that compiles what it will need."""
+        with contextlib.suppress(Failed):
+            for number in range(len(self._workers)):
+                await self.do(f"warm {number}", task)
 
     def end(self) -> None:
         """End all workers."""
         for worker in self._workers:
             worker.end()
         self._threads.shutdown(wait=False, cancel_futures=True)
-
-    async def _take(self, job: Job, key: str) -> Worker:
-        async with self._free:
-            while not any(not w.busy for w in self._workers):
-                if job.cancelled:
-                    raise Cancelled
-                with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(self._free.wait(), LOOK_S)
-            idle = [w for w in self._workers if not w.busy]
-            worker = next((w for w in idle if key in w.served), min(idle, key=lambda w: len(w.served)))
-            worker.busy = True
-            worker.served.add(key)
-            with job.lock:
-                job.worker = worker
-            return worker
-
-    async def _give_back(self, job: Job, worker: Worker) -> None:
-        with job.lock:
-            job.worker = None
-        async with self._free:
-            worker.busy = False
-            if job.cancelled or not worker.alive:
-                self._workers[self._workers.index(worker)] = Worker(self._settings)
-            self._free.notify_all()

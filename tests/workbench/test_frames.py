@@ -44,7 +44,7 @@ def fitted(prepared, *added):
 
 def stain(frame):
     """Return the mean square of the missing force in units of its standard error: 1 where noise alone is left."""
-    force, std = (np.array(values, dtype=float) for values in (frame.cycle, frame.cycle_std))
+    force, std = (np.array(values, dtype=float) for values in (frame["cycle"], frame["cycle_std"]))
     return float(np.nanmean((force / std) ** 2))
 
 
@@ -54,7 +54,7 @@ def test_a_model_that_lacks_nothing_leaves_noise_in_every_cell(prepared):
     frame = frame_of(ground, fit)
     # the mean of n squares of unit normals has a standard error of sqrt(2/n), 0.1 with some 250 cells
     assert abs(stain(frame) - 1.0) < 0.4
-    assert len(frame.cycle) == len(ground.stage.cycle.cells)
+    assert len(frame["cycle"]) == len(ground.stage["cycle"]["cells"])
 
 
 @pytest.mark.parametrize(("name", "hidden"), HIDDEN.items())
@@ -70,11 +70,12 @@ def test_the_hidden_effect_bleaches_the_map_whether_it_is_a_force_or_a_fault_of_
 def test_every_sample_lies_in_one_cell_of_the_map_and_in_the_right_one(prepared):
     release = prepared["release_14"]
     ground = ground_of(release, fitted(release), None)
-    assert len(ground.cycle.member) == len(release.window)
-    assert set(ground.cycle.member.tolist()) == set(range(len(ground.stage.cycle.cells)))
+    cycle = ground.stage["cycle"]
+    assert len(ground.member) == len(release.window)
+    assert set(ground.member.tolist()) == set(range(len(cycle["cells"])))
     u, v = release.motion.displacement, release.motion.velocity
-    columns = len(ground.stage.cycle.columns) - 1
-    row, column = np.divmod(ground.cycle.codes[ground.cycle.member], columns)
+    columns = len(cycle["columns"]) - 1
+    row, column = np.divmod(np.array(cycle["cells"])[ground.member], columns)
     rising = (column + 0.5) / columns * 2 * np.pi  # phase 0 at the largest displacement, growing with time
     far = np.hypot(u, v / release.frequency) > 0.2 * np.abs(u).max()
     assert (np.sign(-np.sin(rising[far])) == np.sign(v[far])).mean() > 0.99

@@ -1,6 +1,5 @@
 """Small parts of the page: what is said of a suspect, stored sessions, the scope, doubles, colours."""
 
-import os
 import re
 from pathlib import Path
 
@@ -11,7 +10,6 @@ from daq.capture import CaptureSettings
 from daq.recording import Channel
 from station.exits import UsageProblem
 from station.story.residual import explained_words
-from station.workbench import doubles as notes
 from station.workbench import stored_sessions
 from station.workbench.scope import ScopeTrace
 
@@ -81,35 +79,6 @@ def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
     assert found.noise == pytest.approx(2e-3, rel=0.1)
     assert found.level == pytest.approx(1.0)  # one per cent of a range of 100 mm
     assert 2 <= len(found.points) <= 700
-
-
-def test_doubles_are_found_by_their_notes_and_nothing_else_in_the_folder_is_believed(tmp_path, monkeypatch):
-    from mocks.announce import announced
-
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    with announced("socket://127.0.0.1:4711"):
-        assert notes.doubles() == ["socket://127.0.0.1:4711"]
-        folder = next(tmp_path.iterdir())
-        (folder / "9.port").write_text("socket://evil.example:22\n")
-        (folder / "8.port").write_text("/etc/passwd\n")
-        assert notes.doubles() == ["socket://127.0.0.1:4711"]
-    (folder / "9.port").unlink()
-    (folder / "8.port").unlink()
-    assert notes.doubles() == []
-
-
-@pytest.mark.skipif(os.name == "nt", reason="folders have an owner and a mode on POSIX systems")
-def test_a_folder_of_doubles_into_which_others_may_write_is_not_believed(tmp_path, monkeypatch):
-    from mocks.announce import announced
-
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    with announced("socket://127.0.0.1:4711"):
-        folder = next(tmp_path.iterdir())
-        folder.chmod(0o777)
-        assert notes.doubles() == []
-        folder.chmod(0o700)
-        monkeypatch.setattr("os.geteuid", lambda: 4711)
-        assert notes.doubles() == []
 
 
 def palette(scheme):

@@ -115,8 +115,8 @@ def test_the_film_keeps_its_scales_the_address_its_step_and_undo_takes_a_step_ba
     page.keyboard.press("ArrowLeft")
     page.get_by_text("looking at step 0").wait_for()
     assert page.evaluate(scales) == at_floor
-    assert page.evaluate("bench.address()").endswith("step=0")
-    page.goto(page.evaluate("bench.address()"))
+    assert page.url.endswith("step=0")
+    page.goto(page.url)
     page.get_by_text("looking at step 0").wait_for()
     page.get_by_role("button", name="Undo the last change").click()
     page.wait_for_function("document.querySelectorAll('.step').length == 1")

@@ -14,7 +14,7 @@ from station.story.pipeline import silent
 from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import DARK, LIGHT
-from station.workbench.tasks import TASKS
+from station.workbench import telling
 from tests.workbench.test_page_parts import palette
 
 
@@ -31,13 +31,13 @@ def figures(told):
     return [part for part in told.brief if part.kind == "figure"]
 
 
-def task(name, folder, *arguments):
-    return TASKS[name](Settings(sessions=folder.parent), silent, folder, *arguments)
+def told_by(task, folder, *arguments):
+    return task(Settings(sessions=folder.parent), silent, folder, *arguments)
 
 
 def test_the_comparison_is_drawn_in_the_colours_of_the_page_every_axis_with_its_unit(folder):
     for dark, look in ((False, LIGHT), (True, DARK)):
-        told = task("compared", folder, dark)
+        told = told_by(telling.compared, folder, dark)
         assert "times the noise" in told.headline
         plane, cycles = (drawing(part) for part in figures(told))
         for picture in (plane, cycles):
@@ -59,7 +59,7 @@ def test_the_looks_of_the_page_are_the_colours_of_its_style_sheet(scheme, look):
 
 
 def test_a_record_without_analysis_is_shown_and_a_strangers_name_stays_text(folder):
-    told = task("recorded", folder, True)
+    told = told_by(telling.recorded, folder, True)
     assert [len(figures(told)), told.headline] == [1, ""]
     recording = Session.open(folder).recording()
     evil = "<img src=x onerror=alert(1)>"[:24]
@@ -71,6 +71,6 @@ def test_a_record_without_analysis_is_shown_and_a_strangers_name_stays_text(fold
 
 
 def test_an_identification_is_told_with_both_methods_side_by_side(folder):
-    told = task("identified", folder, ())
+    told = told_by(telling.identified, folder, ())
     assert [part.kind for part in told.brief] == ["facts", "table", "facts", "table"]
     assert told.headline.startswith(folder.name)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from station.settings import Settings
-from station.workbench import worker
+from station.workbench import tasks, worker
 from station.workbench.session_state import Running, SessionState
 from station.workbench.view_models import Drawn
 
@@ -29,9 +29,9 @@ class Occupied:
 
     def __init__(self, settings: Settings) -> None:
         self.served: set[str] = set()
-        self.busy, self.alive = False, True
+        self.busy = False
 
-    def do(self, task: str, arguments: tuple[Any, ...], progress: worker.Progress) -> str:
+    def do(self, task: str, arguments: tuple[Any, ...], say: worker.Say) -> str:
         assert self.gate.wait(60)
         return task
 
@@ -45,13 +45,12 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
 
     async def story() -> None:
         pool = worker.WorkerPool(Settings(), most=1)
-        first = asyncio.create_task(pool.do(worker.Job(), "a", "long"))
+        first = asyncio.create_task(pool.do("a", "long"))
         await asyncio.sleep(0.05)
-        job = worker.Job()
-        second = asyncio.create_task(pool.do(job, "b", "waiting"))
+        second = asyncio.create_task(pool.do("b", "waiting"))
         await asyncio.sleep(0.05)
-        job.cancel()
-        with pytest.raises(worker.Cancelled):
+        second.cancel()
+        with pytest.raises(asyncio.CancelledError):
             await second
         assert not first.done()  # it still holds the only worker: the second did not wait for it
         Occupied.gate.set()
@@ -94,6 +93,7 @@ class Looked:
     about_present: bool = True
     at_floor: bool = False
     note: str = ""
+    with_mass: dict[str, str] = field(default_factory=dict)
     frames: dict[str, str] = field(default_factory=lambda: {"step": "drawn"})
     step_frames: tuple[str, ...] = ("step",)
 
@@ -105,9 +105,13 @@ class Answering:
     answers: dict[str, Any]
     asked: list[str] = field(default_factory=list)
 
-    async def do(self, job: Any, key: str, task: str, *arguments: Any, progress: Any = None) -> Any:
-        self.asked.append(task)
-        return self.answers.get(task)
+    async def do(self, key: str, task: Any, *arguments: Any, say: Any = None) -> Any:
+        self.asked.append(task.__name__)
+        answer = self.answers.get(task.__name__)
+        if task is tasks.complete and answer is not None:
+            say(answer)
+            return "where it fails"
+        return answer
 
 
 def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
@@ -116,12 +120,15 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
         for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
             frames = Drawn({drawn: "frame"}, {diagnosis[0]: drawn})
-            pool.answers = {"look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))), "frames": frames}
-            assert session.start("Reading", "look")
-            await asyncio.gather(*session._tasks)
-            assert session.suspect_frames == {diagnosis[0]: drawn}
+            pool.answers = {
+                "look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))),
+                "complete": frames,
+            }
+            assert session.start("Reading", tasks.look)
+            await asyncio.gather(*session._runs)
+            assert session.suspects.suspects == {diagnosis[0]: drawn}
             assert drawn in session.frames
-        assert pool.asked.count("frames") == 2  # not a third time: nothing had changed
+        assert pool.asked.count("complete") == 2  # not a third time: nothing had changed
 
     alone(story)
 
@@ -138,20 +145,20 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
     session = Session.create_imported(tmp_path / "s", recording, None)
 
     class Ended(Occupied):
-        def do(self, task: str, arguments: tuple[Any, ...], progress: worker.Progress) -> str:
+        def do(self, task: str, arguments: tuple[Any, ...], say: worker.Say) -> str:
             with monkeypatch.context() as killed:
                 killed.setattr(session_changes, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
                 with pytest.raises(KeyboardInterrupt):
                     session.write_results({"ladder.json": "new", "model.json": "new"})
             assert not verify(session.folder).ok
-            raise worker.Cancelled
+            raise worker.Ended
 
     monkeypatch.setattr(worker, "Worker", Ended)
 
     async def story() -> None:
         pool = worker.WorkerPool(Settings(), most=1)
         with pytest.raises(worker.Failed):
-            await pool.do(worker.Job(), "a", "add", session.folder, "effect")
+            await pool.do("a", "add", session.folder, "effect")
         pool.end()
 
     Occupied.gate = threading.Event()
@@ -163,11 +170,11 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
 def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
     async def story() -> None:
         session = SessionState(Path("none"), Answering({"look": Looked(None)}))  # type: ignore[arg-type]
-        assert session.start("Adding cubic stiffness", "look")
+        assert session.start("Adding cubic stiffness", tasks.look)
         version = session.version
-        assert not session.start("Taking friction out", "look")
+        assert not session.start("Taking friction out", tasks.look)
         assert session.version > version  # every tab shows it
-        await asyncio.gather(*session._tasks)
+        await asyncio.gather(*session._runs)
         assert session.notice.startswith("Adding cubic stiffness is under way")
 
     alone(story)

@@ -9,8 +9,8 @@ document.documentElement.lang = "en";
     const kept = localStorage.getItem("bench-theme");
     return kept ? kept === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   };
-  bench.keepTheme = (dark) => localStorage.setItem("bench-theme", dark ? "dark" : "light");
-  bench.redraw = () => requestAnimationFrame(() => bench.draw());
+  bench.showTheme = () => { setDark(bench.dark()); requestAnimationFrame(() => bench.draw()); };
+  bench.turnTheme = () => { localStorage.setItem("bench-theme", bench.dark() ? "light" : "dark"); bench.showTheme(); };
 
   // The live scope: the newest seconds of the channel that triggers, its zero, its noise, and the swing that is a release.
   bench.scope = (now) => {
@@ -63,11 +63,10 @@ document.documentElement.lang = "en";
     setTimeout(() => { const first = document.querySelector("#examples .q-btn"); if (first) { first.scrollIntoView({ block: "nearest" }); first.focus(); } }, 350);
   };
 
-  // The address of what is shown: the session and the step.
+  // The address is that of what is shown: the session, and the step that is looked at.
   bench.address = () => {
     const here = new URL(location.href), S = bench.state;
-    if (S.stage) here.searchParams.set("step", S.film === null ? S.present : S.film);
-    return here.href;
+    if (S.film === null) here.searchParams.delete("step"); else here.searchParams.set("step", S.film);
+    if (here.href !== location.href) history.replaceState(history.state, "", here);
   };
-  bench.copy = async (text) => { try { await navigator.clipboard.writeText(text); return true; } catch { return false; } };
 })();

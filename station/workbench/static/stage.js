@@ -138,9 +138,10 @@
     document.querySelectorAll(".card-suspect").forEach((el) => { const on = el.dataset.preview === S.selected; el.classList.toggle("selected", on); if (el.tagName === "BUTTON") el.setAttribute("aria-pressed", on); el.classList.toggle("pointed", el.dataset.preview === S.pointed); });
     document.querySelectorAll(".step").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
     const add = document.getElementById("add-selected"), film = document.getElementById("film"), words = document.getElementById("film-words");
-    if (add && S.selected !== "(own)") { add.disabled = !S.names[S.selected]; add.querySelector(".q-btn__content").textContent = `Add ${S.names[S.selected] || "what is selected"}`; }
+    if (add) { add.hidden = S.selected === "(own)"; add.dataset.to = S.selected; add.disabled = !S.names[S.selected]; add.textContent = `Add ${S.names[S.selected] || "what is selected"}`; }
     if (film && document.activeElement !== film) film.value = filmAt();
     if (words) words.textContent = S.film === null ? "" : `looking at step ${S.film}`;
+    bench.address();
   }
 
   // Pointing and focus preview, a click selects; a card that slides under a resting pointer is not pointed at.

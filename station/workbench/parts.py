@@ -1,0 +1,35 @@
+"""The parts of the page that templates write: every text in them is escaped, whoever wrote it."""
+
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+
+from identify.formatting import plain_name
+from station.story.residual import floor_words, times
+from station.text.numbers import typeset, with_unit
+from station.workbench.statements import share
+
+
+def begun(words: str) -> str:
+    """Write words as the beginning of a line."""
+    return f"{words[:1].upper()}{words[1:]}"
+
+
+@cache
+def _macros() -> Any:
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        "plain": plain_name, "begun": begun, "times": times, "floor": floor_words, "typeset": typeset,
+        "unit": with_unit, "share": share,
+    }  # fmt: skip
+    text = files("station.workbench").joinpath("parts.html").read_text(encoding="utf-8")
+    return environment.from_string(text).module
+
+
+def part(name: str, *values: Any) -> str:
+    """Write a part, a macro of parts.html, as HTML."""
+    return str(getattr(_macros(), name)(*values))
