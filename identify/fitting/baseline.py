@@ -18,7 +18,6 @@ from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
-from identify.signal.coloured_noise import Colour, Whitening, spectrum
 from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
@@ -45,7 +44,7 @@ class Floor:
         """Return the window with this noise."""
         return window.with_(
             sigma={c: self.channels[c].std for c in window.channels},
-            colour={c: Colour(found.components, found.uncertainty) for c, found in self.colours.items()},
+            colour=dict(self.colours),
         )
 
 
@@ -62,35 +61,28 @@ def refine_floor(
 
 
 def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, ChannelColour]) -> Floor:
-    window = fit.windows[i]
+    window = fit.windows[i].with_(colour=dict(colours))
     channels: dict[str, Noise] = {}
     share = 0.0
     total = sum(int(window.used[c].sum()) for c in window.channels)
+    bins = np.fft.rfftfreq(len(window), 1.0 / window.rate)
     for channel in window.channels:
-        used = window.used[channel]
-        colour = colours.get(channel)
-        residual = _whitened(fit, i, channel, colour)
-        std, error = high_band_floor(residual, window.rate, _BAND_ABOVE * fit.frequency / (2.0 * np.pi))
-        before = known[channel] if colour is None else _white_at_rest(known[channel], colour, i)
+        used, before, open_ = window.used[channel], known[channel], 0.0
+        if channel in colours:
+            before = _white_at_rest(before, colours[channel], i)
+            open_ = float(np.mean(colours[channel].log_error(bins, window.rate)))
+        residual = window.in_noise(channel, np.where(used, fit.residual(channel, i), 0.0))
+        std, error = high_band_floor(
+            window.sigma[channel] * residual[window.lead :],
+            window.rate,
+            _BAND_ABOVE * fit.frequency / (2.0 * np.pi),
+        )
         channels[channel] = _combine(before, std, error)
         relative = channels[channel].uncertainty / channels[channel].std
-        open_ = (
-            2.0 * relative if colour is None else float(np.hypot(2.0 * relative, _left_open(colour, window)))
-        )
-        share += (int(used.sum()) / total * open_) ** 2
+        share += (int(used.sum()) / total * float(np.hypot(2.0 * relative, open_))) ** 2
     spread = float(np.sqrt(2.0 / max(fit.degrees, 1) + share))
     source = "; ".join(f"{name}: {noise.source}" for name, noise in channels.items())
     return Floor(channels, spread, source, colours)
-
-
-def _whitened(fit: Fit, i: int, channel: str, colour: ChannelColour | None) -> Array:
-    """Return the residual of the readings that are compared, SI, whitened where it is coloured, 0 where not used."""
-    window = fit.windows[i]
-    used = window.used[channel]
-    residual = np.where(used, fit.residual(channel, i), 0.0)
-    if colour is not None:
-        residual = Whitening(colour.components, window.rate, used)(residual)
-    return residual[window.lead :]
 
 
 def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
@@ -98,13 +90,6 @@ def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
     if std is None:
         return known
     return Noise(std, std / np.sqrt(2.0 * SHORTEST), f"{known.source}, {colour.words}")
-
-
-def _left_open(colour: ChannelColour, window: FitWindow) -> float:
-    """Return what the uncertainty of a colour's strength leaves open of the reduced chi-square of its channel."""
-    frequency = np.asarray(np.fft.rfftfreq(len(window), 1.0 / window.rate), dtype=np.float64)
-    total = spectrum(colour.components, frequency, window.rate)
-    return colour.uncertainty * float(np.mean(1.0 - spectrum(colour.lines, frequency, window.rate) / total))
 
 
 def _combine(known: Noise, std: float, error: float) -> Noise:
@@ -277,10 +262,7 @@ def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
 
 def _kinds(colours: dict[str, ChannelColour]) -> dict[str, tuple[str, int]]:
     """Return the shape of each channel's colour, and how many lines are part of it."""
-    return {
-        channel: ("" if colour.shape is None else colour.shape.name, len(colour.lines))
-        for channel, colour in colours.items()
-    }
+    return {channel: (colour.name, len(colour.lines)) for channel, colour in colours.items()}
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
-from identify.fitting.problem import Problem
 from identify.model.simulate import Response
 
 _FEWEST = 6
@@ -52,9 +50,10 @@ class CycleSums:
 
 def cycle_sums(found: Fit) -> tuple[CycleSums, ...]:
     """Return the sums of all channels of all windows of a fit."""
-    problem, sums = Problem(found.model, found.windows, found.frequency), []
-    jacobian = linearise(problem, found.theta)[1]
-    for i, (window, response) in enumerate(zip(found.windows, problem.responses(found.theta), strict=True)):
+    jacobian, sums = found.linearised[1], []
+    for i, (window, response) in enumerate(
+        zip(found.windows, found.problem.responses(found.theta), strict=True)
+    ):
         first = 0
         for channel in window.channels:
             used = window.used[channel]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -137,6 +138,16 @@ class Fit:
         window = self.windows[i]
         return np.where(window.used[channel], window.in_noise(channel, self.residual(channel, i)), 0.0)
 
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem that was solved."""
+        return Problem(self.model, self.windows, self.frequency)
+
+    @cached_property
+    def linearised(self) -> tuple[Array, BlockJacobian]:
+        """Misfit (readings,) and exact Jacobian where the fit ended."""
+        return linearise(self.problem, self.theta)
+
     def correlation(self, first: str, second: str) -> float:
         """Return the correlation of two unknowns' errors."""
         i, j = self.names.index(first), self.names.index(second)
@@ -164,7 +175,7 @@ def fit(
     for _ in range(_ROUNDS):
         if not any(window.own_linear for window in windows):
             break
-        again = weighed(Problem(model, found.windows, frequency), found.theta)
+        again = weighed(found.problem, found.theta)
         if again == found.windows:
             break
         found = _fit(model, again, found.point, frequency, tolerance=tolerance, near=True, goal=goal)

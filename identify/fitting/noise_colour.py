@@ -23,7 +23,6 @@ from identify.preprocessing.noise_colour import (
     UNLIKE,
     Line,
     RestColour,
-    Shape,
     alike,
     best,
     log_uncertainty,
@@ -31,7 +30,7 @@ from identify.preprocessing.noise_colour import (
     with_common_lines,
 )
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.coloured_noise import Component, spectrum
+from identify.signal.coloured_noise import Colour, Component, spectrum
 from identify.signal.spectrum import strongest_lines
 
 _LINES = 4
@@ -181,34 +180,21 @@ _VETO = 8.0
 """Log-likelihood by which a rest may disagree with a colour."""
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelColour:
-    """The colour of one channel's noise in all releases.
+@dataclass(frozen=True)
+class ChannelColour(Colour):
+    """The colour of one channel's noise in all releases, in units of the white part's variance.
 
-    `components` are in units of the white part's variance; `uncertainty` is the standard error of the logarithm of their
-    strength; `white` the standard deviation of the white part of each release's rest, None where none was recorded.
+    `name` is that of its shape, "" where it has lines only; `white` the standard deviation of the white part of each
+    release's rest, None where none was recorded.
     """
 
-    shape: Shape | None
-    strength: float
-    uncertainty: float
-    rate: float
-    lines: tuple[Component, ...]
-    white: tuple[float | None, ...]
-
-    @property
-    def components(self) -> tuple[Component, ...]:
-        """All processes beside the white part."""
-        return (*self.of_strength(self.strength), *self.lines)
-
-    def of_strength(self, strength: float) -> tuple[Component, ...]:
-        """Return the processes without the lines, at another strength."""
-        return () if self.shape is None else self.shape.of_strength(strength, self.rate)
+    name: str = ""
+    white: tuple[float | None, ...] = ()
 
     @property
     def words(self) -> str:
         """What it is, as part of a sentence."""
-        parts = [] if self.shape is None else [f"coloured, {self.shape.name}"]
+        parts = [f"coloured, {self.name}"] if self.name else []
         return ", ".join([*parts, *(f"a line at {line.frequency:.4g} Hz" for line in self.lines)])
 
 
@@ -256,13 +242,12 @@ def _colour(
     if not coloured and not lines:
         return None
     strength = float(STRENGTHS[column]) if coloured else 0.0
+    shape = SHAPES[row]
     white = tuple(white_part(rest.left, row, strength) if rest is not None else None for rest in rests)
     return ChannelColour(
-        SHAPES[row] if coloured else None,
-        strength,
+        (*shape.of_strength(strength, rate), *lines),
         log_uncertainty(table[row]) if coloured else 0.0,
-        rate,
-        lines,
+        shape.name if coloured else "",
         white,
     )
 

@@ -14,7 +14,6 @@ from scipy.linalg import solve_triangular
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 
 _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
@@ -58,13 +57,12 @@ class RandomWalk:
 
 def walk_beside(found: Fit) -> RandomWalk:
     """Return what a walk of spring and damper explains of what a fit leaves."""
-    problem = Problem(found.model, found.windows, found.frequency)
-    residual, jacobian = linearise(problem, found.theta)
+    problem, (residual, jacobian) = found.problem, found.linearised
     columns, of_spring = [], []
     for kind in ("stiffness", "damping"):
         columns.append(_responses(problem, found.theta, len(residual), kind))
         of_spring.append(np.full(columns[-1].shape[1], kind == "stiffness"))
-    free = jacobian.tangent(np.diag(jacobian.normal()) > 0.0).free(np.column_stack([residual, *columns]))
+    free = jacobian.free(np.column_stack([residual, *columns]))
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
     is_spring = np.concatenate(of_spring)
