@@ -1,12 +1,12 @@
 """Free-run least squares: the parameters under which the simulated motion follows the readings best."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
@@ -163,66 +163,67 @@ def fit(
     tolerance: float = 0.02,
     near: bool = False,
     goal: float = 0.0,
+    held: Collection[str] = (),
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
     Far from the readings fewer of them are compared, and the motion is integrated in longer steps; in the end all are. A
     start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
-    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is. What single
-    releases have of their own counts in units of what is left, found in turn.
+    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is. Unknowns whose
+    names are `held` stay where they start. What single releases have of their own counts in units of what is left, found
+    in turn.
     """
-    found = _fit(model, windows, start, frequency, tolerance=tolerance, near=near, goal=goal)
+    how = _How(tolerance, near, goal, held)
+    found = _fit(Problem(model, windows, frequency), start, how)
     for _ in range(_ROUNDS):
-        if not any(window.own_linear for window in windows):
-            break
         again = weighed(found.problem, found.theta)
         if again == found.windows:
             break
-        found = _fit(model, again, found.point, frequency, tolerance=tolerance, near=True, goal=goal)
+        found = _fit(Problem(model, again, frequency), found.point, replace(how, near=True))
     return found
 
 
-def _fit(
-    model: Model,
-    windows: tuple[FitWindow, ...],
-    start: dict[str, float],
-    frequency: float,
-    *,
-    tolerance: float,
-    near: bool,
-    goal: float,
-) -> Fit:
+@dataclass(frozen=True)
+class _How:
+    """How a fit goes on, as `fit` is told."""
+
+    tolerance: float
+    near: bool
+    goal: float
+    held: Collection[str]
+
+    def minimise(self, problem: Problem, theta: Array) -> Minimum:
+        """Lower chi-square from some values on."""
+        still = self.still(problem)
+        return minimise_fully(problem, theta, tolerance=self.tolerance, held=still, goal=self.goal)
+
+    def still(self, problem: Problem) -> Mask | None:
+        """Return which unknowns stay where they are, (unknowns,); None where all move."""
+        return np.array([u.name in self.held for u in problem.unknowns]) if self.held else None
+
+
+def _fit(problem: Problem, start: dict[str, float], how: _How) -> Fit:
     """Return the fit with the priors of single releases, if there are any, counted as the windows say."""
-    problem = Problem(model, windows, frequency)
+    model, windows, frequency = problem.model, problem.windows, problem.frequency
     theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
     if _off(first):
-        rough = _from_afar(model, windows, theta, frequency, tolerance, near=near, goal=goal)
-        theta, still = rough.theta, not rough.cost < FAR_OFF * len(first)
-        problem = Problem(model, windows, frequency, coarse=still)
-        if still and 0.0 < goal < rough.cost:
+        rough = _from_afar(problem, theta, how)
+        theta, still_far = rough.theta, not rough.cost < FAR_OFF * len(first)
+        problem = Problem(model, windows, frequency, coarse=still_far)
+        if still_far and 0.0 < how.goal < rough.cost:
             return fit_at(problem, theta)
-    found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
-    jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
-    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled)
+    found, still = how.minimise(problem, theta), how.still(problem)
+    jacobian = found.jacobian if found.exact else linearise(problem, found.theta, skip=still)[1]
+    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
 
 
-def _from_afar(
-    model: Model,
-    windows: tuple[FitWindow, ...],
-    theta: Array,
-    frequency: float,
-    tolerance: float,
-    *,
-    near: bool,
-    goal: float,
-) -> Minimum:
+def _from_afar(whole: Problem, theta: Array, how: _How) -> Minimum:
     """Return the minimum by fewer readings and longer steps, where the misfit is far above the noise."""
-    problem = Problem(model, windows, frequency, far=True)
-    grown = theta if near else _grow(model, windows, theta, frequency)
-    found = minimise_fully(problem, grown, tolerance=tolerance, goal=goal)
-    if not near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
-        found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
+    problem = Problem(whole.model, whole.windows, whole.frequency, far=True)
+    found = how.minimise(problem, theta if how.near else _grow(whole, theta, how.still(whole)))
+    if not how.near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
+        found = how.minimise(problem, theta)
     return found
 
 
@@ -246,19 +247,31 @@ def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | 
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
-def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency: float) -> Array:
+def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
+    """Return the unknowns fitted to the first few cycles, then to more."""
+    windows, w = whole.windows, whole.frequency
     longest = max(len(s) for s in windows)
     for cycles in _GROWTH:
-        samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
+        samples = int(cycles * 2.0 * np.pi / w * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency, far=True)
-        theta = minimise(short, theta, steps=8, tolerance=1.0).theta
+        short = Problem(whole.model, tuple(s.until(min(samples, len(s))) for s in windows), w, far=True)
+        theta = minimise(short, theta, steps=8, tolerance=1.0, held=still).theta
     return theta
 
 
-def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian, *, settled: bool) -> Fit:
+def _result(
+    problem: Problem,
+    theta: Array,
+    cost: float,
+    jacobian: BlockJacobian,
+    *,
+    settled: bool,
+    still: Mask | None = None,
+) -> Fit:
     at_bound = (theta <= problem.low) | (theta >= problem.high)
+    if still is not None:
+        at_bound |= still
     normal = jacobian.normal()
     normal[at_bound], normal[:, at_bound] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
