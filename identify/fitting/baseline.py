@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.fitting.corrected_faults import FEWEST_LOST, allowance
+from identify.fitting.corrected_faults import unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
 from identify.fitting.initial_values import initial_values, regress_model
-from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
+from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.model.model import Model
@@ -18,7 +18,6 @@ from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
-from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
 _BAND_ABOVE = 8.0
@@ -111,12 +110,6 @@ def _combine(known: Noise, std: float, error: float) -> Noise:
 _SETTLED = 1e-4
 """Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
 
-_LOUD = 2.0
-"""Density of a residual at the motion's frequency, over the noise's, from which on a guessed floor does not excuse it."""
-
-_STALE_OFF = 3.5
-"""Noise standard deviations off the fit at which a stale reading counts as lost."""
-
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
@@ -156,14 +149,14 @@ class Baseline:
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
     def stated(self, found: Fit) -> Fit:
-        """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""
-        quiet = self._reaches(found.reduced) and (self.floor_is_sure or misfit_density(found) < _LOUD)
-        return found if quiet else with_misfit_errors(found)
+        """Return a fit with the standard errors to state: its own where it is adequate, else those of the misfit."""
+        return found if self.adequate(found) else with_misfit_errors(found)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
-        extra, readings = allowance(self.decays, found, found.model)
-        return (found.chi_square + extra) / max(found.degrees + readings, 1)
+        faults = unnamed_faults(self.decays, found)
+        readings = found.degrees + sum(fault.readings for fault in faults)
+        return (found.chi_square + sum(fault.drop for fault in faults)) / max(readings, 1)
 
     @property
     def at_floor(self) -> bool:
@@ -207,32 +200,12 @@ def fit_baseline(
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
     start = own_springs(decays, model, start) | start
-    found = fit(model, windows, start, frequency)
-    mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
-    if any(new is not old for new, old in zip(mended, decays, strict=True)):
-        found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
-    return refit_at_floor(mended, found).decided
+    return refit_at_floor(decays, fit(model, windows, start, frequency)).decided
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
     """Return a release with the standard error of the reduced chi-square at its floor, unless that was decided before."""
     return prepared if prepared.floor_std is not None else replace(prepared, floor_std=width)
-
-
-def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
-    """Leave out the stale readings that only a fit can show, in channels that are known to lose readings."""
-    lost, used = dict(prepared.lost), dict(prepared.window.used)
-    for channel, mask in prepared.lost.items():
-        if int(mask.sum()) < FEWEST_LOST:
-            continue
-        off = np.abs(found.residual(channel, i)) > _STALE_OFF * prepared.window.sigma[channel]
-        further = stale(prepared.window.readings[channel]) & off & used[channel]
-        if further.any():
-            lost[channel] = mask | further
-            used[channel] = used[channel] & ~further
-    if all(lost[channel] is prepared.lost[channel] for channel in lost):
-        return prepared
-    return replace(prepared, lost=lost, window=prepared.window.with_(used=used))
 
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
@@ -242,27 +215,6 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
     settled = fit(found.model, windows, found.point, found.frequency, near=True, tolerance=_SETTLED)
     return Baseline(decays, settled, floors)
-
-
-def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
-    """Return a baseline with the noise that a better fit leaves; the same where that has no other colour and no other lines.
-
-    What a model lacks hides lines and slow noise in its residual, or is taken for them. With other noise the width of the
-    floor is decided anew.
-    """
-    colours = noise_colours(baseline.decays, found)
-    if _kinds(colours) == _kinds(baseline.floors[0].colours):
-        return baseline
-    floors = refine_floor(found, tuple(prepared.noise for prepared in baseline.decays), colours)
-    old = baseline.fit
-    windows = tuple(floor.on(window) for floor, window in zip(floors, old.windows, strict=True))
-    undecided = tuple(replace(prepared, floor_std=None) for prepared in baseline.decays)
-    return Baseline(undecided, fit(old.model, windows, old.point, old.frequency, near=True), floors).decided
-
-
-def _kinds(colours: dict[str, ChannelColour]) -> dict[str, tuple[str, int]]:
-    """Return the shape of each channel's colour, and how many lines are part of it."""
-    return {channel: (colour.name, len(colour.lines)) for channel, colour in colours.items()}
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

@@ -92,22 +92,20 @@ class Fit:
         return self.values.get(str(nuisance(name, release, len(self.windows))))
 
     def of_release(self, release: int) -> dict[str, float]:
-        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone."""
-        own = self.physics_in(release)
+        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone.
+
+        The physics is with what the window's release has of its own.
+        """
+        found = {u.name: self.values[u.name].value for u in self.unknowns}
+        for u in self.unknowns:
+            if u.deviates >= 0 and release in u.moves:
+                shared = self.unknowns[u.deviates]
+                found[shared.name] = max(found[shared.name] + found[u.name], shared.low)
         return {
-            str(u.id.of_release(0, 1)): own.get(u.name, self.values[u.name].value)
+            str(u.id.of_release(0, 1)): found[u.name]
             for u in self.unknowns
             if u.window in (-1, release) and u.deviates < 0
         }
-
-    def physics_in(self, window: int) -> dict[str, float]:
-        """Return the shared parameters by name as they are in one window, with what its release has of its own."""
-        found = {u.name: self.values[u.name].value for u in self.unknowns if u.window < 0}
-        for u in self.unknowns:
-            if u.deviates >= 0 and window in u.moves:
-                name = self.unknowns[u.deviates].name
-                found[name] = max(found[name] + self.values[u.name].value, self.unknowns[u.deviates].low)
-        return found
 
     def of_windows(self, places: Sequence[int]) -> dict[str, float]:
         """Return the values of the physics and of some windows, by the names that they have in a fit of those alone."""
@@ -147,11 +145,6 @@ class Fit:
     def linearised(self) -> tuple[Array, BlockJacobian]:
         """Misfit (readings,) and exact Jacobian where the fit ended."""
         return linearise(self.problem, self.theta)
-
-    def correlation(self, first: str, second: str) -> float:
-        """Return the correlation of two unknowns' errors."""
-        i, j = self.names.index(first), self.names.index(second)
-        return float(self.covariance[i, j] / np.sqrt(self.covariance[i, i] * self.covariance[j, j]))
 
 
 def fit(

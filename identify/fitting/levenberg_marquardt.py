@@ -13,9 +13,6 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
-_LITTLE = 0.1
-"""Share of a misfit far above the noise, times the tolerance: a fit that gains less in each of three steps ends."""
-
 _UNDAMPED = 1e-3
 _SINGULAR = 1e-12
 """Least damping, beside which rounding errors of the normal equations are nothing."""
@@ -69,7 +66,7 @@ def minimise(
     goal: float = 0.0,
     damping: float = _UNDAMPED,
 ) -> Minimum:
-    """Lower chi-square from `theta`, until a step gains less than `tolerance`, or three hardly anything far from the noise.
+    """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
     Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
     in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
@@ -80,7 +77,7 @@ def minimise(
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
-    exact, settled, slow, small = begun is None, False, 0, 0
+    exact, settled, slow = begun is None, False, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break
@@ -88,8 +85,7 @@ def minimise(
         if step is None:
             settled = True
             break
-        small = small + 1 if problem.longer > 1.0 and step.gained < _LITTLE * tolerance * cost else 0
-        settled = small > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
+        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (

@@ -70,16 +70,6 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
     return found
 
 
-def further_lines(fit: Fit, i: int, channel: str) -> tuple[Line, ...]:
-    """Return the lines of one channel's residual in window i that may be hum: off the harmonics, lasting to the end."""
-    window = fit.windows[i]
-    return tuple(
-        _line(window, channel, f, clarity * _error(window, channel), clarity)
-        for f, clarity in _lines(fit, i, channel).items()
-        if not _dies(fit, i, channel, f)
-    )
-
-
 def _line(window: FitWindow, channel: str, f: float, amplitude: float, clarity: float) -> Line:
     """Return a line (Hz) of an amplitude, SI, that is so clear in the clearest channel, in standard errors."""
     wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
@@ -211,17 +201,13 @@ def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, Chan
 
 
 def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Return the lines along the motion that are noise of their channels, where a rest does not show those of each.
+    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
 
-    There was none, or a converter's steps hide what is less. They are hum in both channels; and in a channel of which the
-    model names a line, the others: of several lines the strongest is a fault.
+    There was none, or a converter's steps hide what is less.
     """
     if all(channel in prepared.rest_colour for channel in prepared.window.channels):
         return {}
-    found = common_lines(fit, i)
-    named = {term.channel for term in fit.model.faults if term.effect.line}
-    own = {c: found.get(c) or further_lines(fit, i, c) for c in prepared.window.channels if c in named}
-    return found | own
+    return common_lines(fit, i)
 
 
 def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
