@@ -1,8 +1,8 @@
 """Free-run least squares: the parameters under which the simulated motion follows the readings best."""
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -96,16 +96,13 @@ class Fit:
 
         The physics is with what the window's release has of its own.
         """
-        found = {u.name: self.values[u.name].value for u in self.unknowns}
+        found = self.of_windows((release,))
         for u in self.unknowns:
-            if u.deviates >= 0 and release in u.moves:
+            own = str(u.id.of_release(0, 1))
+            if u.deviates >= 0 and own in found:
                 shared = self.unknowns[u.deviates]
-                found[shared.name] = max(found[shared.name] + found[u.name], shared.low)
-        return {
-            str(u.id.of_release(0, 1)): found[u.name]
-            for u in self.unknowns
-            if u.window in (-1, release) and u.deviates < 0
-        }
+                found[shared.name] = max(found[shared.name] + found.pop(own), shared.low)
+        return found
 
     def of_windows(self, places: Sequence[int]) -> dict[str, float]:
         """Return the values of the physics and of some windows, by the names that they have in a fit of those alone."""
@@ -166,58 +163,46 @@ def fit(
     names are `held` stay where they start. What single releases have of their own counts in units of what is left, found
     in turn.
     """
-    how = _How(tolerance, near, goal, held)
-    found = _fit(Problem(model, windows, frequency), start, how)
+    problem = Problem(model, windows, frequency)
+    still = np.array([u.name in held for u in problem.unknowns]) if held else None
+    lower = partial(minimise_fully, tolerance=tolerance, held=still, goal=goal)
+    found = _fit(problem, start, lower, still, near=near, goal=goal)
     for _ in range(_ROUNDS):
         again = weighed(found.problem, found.theta)
         if again == found.windows:
             break
-        found = _fit(Problem(model, again, frequency), found.point, replace(how, near=True))
+        found = _fit(Problem(model, again, frequency), found.point, lower, still, near=True, goal=goal)
     return found
 
 
-@dataclass(frozen=True)
-class _How:
-    """How a fit goes on, as `fit` is told."""
+def _fit(
+    problem: Problem,
+    start: dict[str, float],
+    lower: Callable[[Problem, Array], Minimum],
+    still: Mask | None,
+    *,
+    near: bool,
+    goal: float,
+) -> Fit:
+    """Return the fit with the priors of single releases, if there are any, counted as the windows say.
 
-    tolerance: float
-    near: bool
-    goal: float
-    held: Collection[str]
-
-    def minimise(self, problem: Problem, theta: Array) -> Minimum:
-        """Lower chi-square from some values on."""
-        still = self.still(problem)
-        return minimise_fully(problem, theta, tolerance=self.tolerance, held=still, goal=self.goal)
-
-    def still(self, problem: Problem) -> Mask | None:
-        """Return which unknowns stay where they are, (unknowns,); None where all move."""
-        return np.array([u.name in self.held for u in problem.unknowns]) if self.held else None
-
-
-def _fit(problem: Problem, start: dict[str, float], how: _How) -> Fit:
-    """Return the fit with the priors of single releases, if there are any, counted as the windows say."""
-    model, windows, frequency = problem.model, problem.windows, problem.frequency
+    `lower` finds a minimum; unknowns that are `still` do not move.
+    """
+    again = partial(Problem, problem.model, problem.windows, problem.frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
     if _off(first):
-        rough = _from_afar(problem, theta, how)
+        far = again(far=True)
+        rough = lower(far, theta if near else _grow(problem, theta, still))
+        if not near and not rough.cost < _cost(far.residuals(theta)):  # lost to the first few cycles
+            rough = lower(far, theta)
         theta, still_far = rough.theta, not rough.cost < FAR_OFF * len(first)
-        problem = Problem(model, windows, frequency, coarse=still_far)
-        if still_far and 0.0 < how.goal < rough.cost:
+        problem = again(coarse=still_far)
+        if still_far and 0.0 < goal < rough.cost:
             return fit_at(problem, theta)
-    found, still = how.minimise(problem, theta), how.still(problem)
+    found = lower(problem, theta)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta, skip=still)[1]
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
-
-
-def _from_afar(whole: Problem, theta: Array, how: _How) -> Minimum:
-    """Return the minimum by fewer readings and longer steps, where the misfit is far above the noise."""
-    problem = Problem(whole.model, whole.windows, whole.frequency, far=True)
-    found = how.minimise(problem, theta if how.near else _grow(whole, theta, how.still(whole)))
-    if not how.near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
-        found = how.minimise(problem, theta)
-    return found
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:

@@ -49,11 +49,6 @@ class _Step:
     predicted: float
     damping: float
 
-    @property
-    def as_predicted(self) -> bool:
-        """Whether the Jacobian predicted the gain well enough to be kept."""
-        return self.gained > _AS_PREDICTED * self.predicted
-
 
 def minimise(
     problem: Problem,
@@ -88,13 +83,14 @@ def minimise(
         settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
-        if (
-            settled or slow > 1
-        ):  # the Jacobian that predicted so small a step holds at its end, unless damping made it small
+        if settled or slow > 1:
+            # the Jacobian that predicted so small a step holds at its end, unless damping made it small
             exact = exact and step.damping <= _UNDAMPED and settled
             break
-        if step.as_predicted:
-            jacobian, exact = _mended(problem, jacobian, *before, step), False
+        if step.gained > _AS_PREDICTED * step.predicted:
+            moved = theta - before[0]
+            surprise = residual - before[1] - jacobian.change(moved)
+            jacobian, exact = jacobian.mended(moved, problem.sizes(before[0]), surprise), False
         else:
             residual, jacobian = linearise(problem, theta, skip=held)
             exact = True
@@ -153,15 +149,6 @@ def _step(
             return None
         damping = max(damping * 8.0, 1e-7)
     return None
-
-
-def _mended(
-    problem: Problem, jacobian: BlockJacobian, theta: Array, residual: Array, step: _Step
-) -> BlockJacobian:
-    """Return the Jacobian changed as little as agrees with what a step did to the misfit."""
-    moved = step.theta - theta
-    surprise = step.residual - residual - jacobian.change(moved)
-    return jacobian.mended(moved, problem.sizes(theta), surprise)
 
 
 def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:

@@ -55,17 +55,6 @@ def largest_first(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
     return tuple(sorted(range(len(decays)), key=lambda i: -decays[i].amplitude))
 
 
-def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...], ...]:
-    """Return, for each release, the places that its segments have in `segments_of`."""
-    found: list[tuple[int, ...]] = []
-    first = 0
-    for prepared in decays:
-        last = first + len(segments(prepared))
-        found.append(tuple(range(first, last)))
-        first = last
-    return tuple(found)
-
-
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as segments that cover it without a gap; a short one as it is.
 

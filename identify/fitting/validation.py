@@ -10,6 +10,7 @@ from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.fit import Fit, fit
+from identify.fitting.parameter_layout import windows_by_release
 from identify.fitting.prediction import Prediction, predict, predict_windows
 from identify.fitting.segments import prepared_of, segments_of
 from identify.formatting import three_figures
@@ -233,24 +234,22 @@ class LeftOut:
     motion_percent: float
 
 
-def leave_one_out(found: Fit, releases: Sequence[Sequence[int]] | None = None) -> tuple[LeftOut, ...]:
+def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
     """Fit to all releases but one, hold the physics, refit the nuisances of the one left out; for each in turn.
 
-    `releases` are the windows that belong to each release, where long ones were fitted in segments; else each window
-    is one. Raises NotIdentifiable with a single release.
+    A long release is left out with all of its segments. Raises NotIdentifiable with a single release.
     """
-    groups = [[i] for i in range(len(found.windows))] if releases is None else [list(g) for g in releases]
+    groups = windows_by_release(found.windows).values()
     if len(groups) < 2:
         raise NotIdentifiable("Leaving one release out needs at least two.")
     return tuple(_without(found, index, left) for index, left in enumerate(groups))
 
 
-def _without(found: Fit, index: int, left: list[int]) -> LeftOut:
+def _without(found: Fit, index: int, left: Sequence[int]) -> LeftOut:
     kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
     others = fit(found.model, windows, found.of_windows(kept), found.frequency)
     left_windows = tuple(found.windows[i] for i in left)
-    own = found.of_windows(left)
     physics = {unknown.name: others.point[unknown.name] for unknown in others.unknowns if unknown.window < 0}
-    seen = predict_windows(found.model, physics, left_windows, own, found.frequency)
+    seen = predict_windows(found.model, physics, left_windows, found.of_windows(left), found.frequency)
     return LeftOut(index, seen.chi_square, seen.motion_percent)
