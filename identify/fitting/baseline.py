@@ -64,7 +64,7 @@ def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, Channe
     channels: dict[str, Noise] = {}
     share = 0.0
     total = sum(int(window.used[c].sum()) for c in window.channels)
-    bins = np.fft.rfftfreq(len(window), 1.0 / window.rate)
+    bins = np.asarray(np.fft.rfftfreq(len(window), 1.0 / window.rate), dtype=np.float64)
     for channel in window.channels:
         used, before, open_ = window.used[channel], known[channel], 0.0
         if channel in colours:

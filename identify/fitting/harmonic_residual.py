@@ -94,7 +94,7 @@ def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -
     padded = np.zeros((len(window), columns.shape[1]))
     padded[window.used[channel]] = columns
     taper = np.hanning(len(window) - window.lead)
-    bins = np.fft.rfftfreq(len(taper), 1.0 / window.rate)
+    bins = np.asarray(np.fft.rfftfreq(len(taper), 1.0 / window.rate), dtype=np.float64)
     at, off = _places(bins, window.rate / len(taper), window.rate, frequency / (2.0 * np.pi))
     power = np.abs(np.fft.rfft(padded[window.lead :] * taper[:, None], axis=0)) ** 2
     power /= np.sum(taper[window.used[channel][window.lead :]] ** 2)

@@ -65,15 +65,11 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
         seen = {channel: _phasor(fit, i, channel, f, slice(None)) for channel in found}
         if _is_no_motion(fit, i, f, seen) and not all(_dies(fit, i, channel, f) for channel in found):
             clarity = max(abs(size) / _error(window, channel) for channel, size in seen.items())
+            wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
             for channel, size in seen.items():
-                found[channel] = (*found[channel], _line(window, channel, f, abs(size), clarity))
+                power = 0.5 * float(abs(size) / window.sigma[channel]) ** 2
+                found[channel] = (*found[channel], Line(f, wide, power))
     return found
-
-
-def _line(window: FitWindow, channel: str, f: float, amplitude: float, clarity: float) -> Line:
-    """Return a line (Hz) of an amplitude, SI, that is so clear in the clearest channel, in standard errors."""
-    wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
-    return Line(f, wide, 0.5 * float(amplitude / window.sigma[channel]) ** 2)
 
 
 def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
