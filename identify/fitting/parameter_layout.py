@@ -13,9 +13,8 @@ from identify.effects.effect import Parameter
 from identify.effects.force_effect import LinearPart
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
-from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.fit_window import CHANNELS, FitWindow
 
-_DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _READING = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 NOWHERE = -1
 OWN_STIFFNESS, OWN_DAMPING = "own_stiffness", "own_damping"
@@ -183,7 +182,9 @@ class ParameterLayout:
             gain = own("gain", "1", 1e-2, 0.2, 5.0)
         offsets = {
             c: own(
-                f"{c}_offset", in_unit(_READING[c], self._unit), 1e-2 * self._amplitude * w ** _DERIVATIVE[c]
+                f"{c}_offset",
+                in_unit(_READING[c], self._unit),
+                1e-2 * self._amplitude * w ** CHANNELS.index(c),
             )
             for c in window.channels
         }
@@ -253,7 +254,7 @@ def amplitude_of(window: FitWindow, w: float) -> float:
     """Return the largest displacement that the readings of a window show of a motion of angular frequency w (rad/s)."""
     channel = window.channels[0]
     values = window.readings[channel][window.used[channel]]
-    return float(np.ptp(values)) / 2.0 / w ** _DERIVATIVE[channel] if len(values) else 1.0
+    return float(np.ptp(values)) / 2.0 / w ** CHANNELS.index(channel) if len(values) else 1.0
 
 
 def in_unit(unit: str, length: str) -> str:

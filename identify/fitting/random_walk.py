@@ -10,7 +10,7 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import block_diag, solve_triangular
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -58,14 +58,11 @@ class RandomWalk:
 def walk_beside(found: Fit) -> RandomWalk:
     """Return what a walk of spring and damper explains of what a fit leaves."""
     problem, (residual, jacobian) = found.problem, found.linearised
-    columns, of_spring = [], []
-    for kind in ("stiffness", "damping"):
-        columns.append(_responses(problem, found.theta, len(residual), kind))
-        of_spring.append(np.full(columns[-1].shape[1], kind == "stiffness"))
+    columns = [_responses(problem, found.theta, kind) for kind in ("stiffness", "damping")]
+    is_spring = np.repeat([True, False], [one.shape[1] for one in columns])
     free = jacobian.free(np.column_stack([residual, *columns]))
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
-    is_spring = np.concatenate(of_spring)
     best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1), walk[:, :0]), []
     for stiffness in _STRENGTHS:
         for damping in _STRENGTHS:
@@ -95,14 +92,13 @@ def explained_by(products: Array, along: Array) -> tuple[float, float]:
     return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
 
 
-def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Array:
+def _responses(problem: Problem, theta: Array, kind: str) -> Array:
     """Return how the misfit changes with each step of one of the two walks, of one standard deviation, (readings, steps).
 
     A walk has variance 1 after one second; it goes on from window to window of a release, and begins anew with each release.
     """
-    columns: list[Array] = []
+    blocks: list[Array] = []
     times: list[tuple[int, float]] = []
-    first = 0
     for i, window in enumerate(problem.windows):
         cycles = len(window) / window.rate * problem.frequency / (2.0 * np.pi)
         most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
@@ -111,16 +107,11 @@ def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Arra
         motion = problem.respond(theta, i, problem.substeps(theta, i, tangent=True))
         omega = problem.frequency
         force = omega**2 * motion.displacement if kind == "stiffness" else omega * motion.velocity
-        changes = changes_by(
-            problem, theta, i, [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
-        )
-        for change, knot in zip(changes, knots.tolist(), strict=True):
-            column = np.zeros(readings)
-            column[first : first + len(change)] = change
-            columns.append(column)
-            times.append((window.release, knot))
-        first += len(changes[0])
-    return np.column_stack(columns) @ _steps(times)
+        ramps = [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
+        blocks.append(np.column_stack(changes_by(problem, theta, i, ramps)))
+        times += [(window.release, knot) for knot in knots.tolist()]
+    blocks.append(np.zeros((len(problem.expected), 0)))
+    return np.asarray(block_diag(*blocks) @ _steps(times))
 
 
 def _steps(times: list[tuple[int, float]]) -> Array:

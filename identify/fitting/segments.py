@@ -19,6 +19,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
+from identify.preprocessing.fit_window import CHANNELS
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 
 _LONG_CYCLES = 60.0
@@ -165,7 +166,7 @@ def drifts(prepared: PreparedDecay) -> bool:
     left = phase * relative
     left = (left - design @ np.linalg.lstsq(design, left, rcond=1e-10)[0]) * amplitude.max()
     noise = _noise(prepared)
-    by_cycle = 2.0 * noise**2 / _samples_a_cycle(prepared)
+    by_cycle = 2.0 * noise**2 / (2.0 * np.pi / prepared.frequency * prepared.motion.rate)
     strays = float(np.median(np.abs(left))) / _NORMAL
     return bool(strays**2 > by_cycle + (_SHARE_OF_NOISE * noise) ** 2)
 
@@ -188,12 +189,7 @@ def _phase_by_cycle(prepared: PreparedDecay) -> tuple[Array, Array]:
     )
 
 
-def _samples_a_cycle(prepared: PreparedDecay) -> float:
-    return 2.0 * np.pi / prepared.frequency * prepared.motion.rate
-
-
 def _noise(prepared: PreparedDecay) -> float:
     """Return the noise of a reading as displacement: of the channel that knows it best."""
     sigma, w = prepared.window.sigma, prepared.frequency
-    order = {"displacement": 0, "velocity": 1, "acceleration": 2}
-    return min(sigma[channel] / w ** order[channel] for channel in sigma)
+    return min(sigma[channel] / w ** CHANNELS.index(channel) for channel in sigma)

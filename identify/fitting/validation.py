@@ -161,7 +161,10 @@ def validate(
     each = [fit_baseline(segments_of(decay), base_model()) for decay in whole]
     usual, basis = _usual(each, prepared_of(fitted_to))
     releases = []
-    for index, decay in enumerate(at_floor(one) for one in each):
+    for index, alone in enumerate(each):
+        # with the noise that the floor has settled, by which a diagnosis of them counts too
+        pairs = zip(alone.decays, alone.fit.windows, strict=True)
+        decay = tuple(replace(piece, window=window) for piece, window in pairs)
         one = Validated(
             index,
             predict(model, values, decay, hold=hold),
@@ -177,15 +180,6 @@ def _check_units(model: Model, decays: tuple[PreparedDecay, ...]) -> None:
         wrong = [term.effect.name for term in model.terms if not term.effect.has_meaning_for(unit)]
         if wrong:
             raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
-
-
-def at_floor(found: Baseline) -> tuple[PreparedDecay, ...]:
-    """Return the releases of a baseline, in pieces where they are long, with the noise that its floor has settled.
-
-    It is the noise by which a diagnosis of them counts, so that both state the same chi-square.
-    """
-    pairs = zip(found.decays, found.fit.windows, strict=True)
-    return tuple(replace(decay, window=window) for decay, window in pairs)
 
 
 def _usual(
