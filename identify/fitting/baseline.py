@@ -36,7 +36,6 @@ class Floor:
 
     channels: dict[str, Noise]
     chi_square_std: float
-    source: str
     colours: dict[str, ChannelColour] = field(default_factory=dict)
 
     def on(self, window: FitWindow) -> FitWindow:
@@ -80,8 +79,7 @@ def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, Channe
         relative = channels[channel].uncertainty / channels[channel].std
         share += (int(used.sum()) / total * float(np.hypot(2.0 * relative, open_))) ** 2
     spread = float(np.sqrt(2.0 / max(fit.degrees, 1) + share))
-    source = "; ".join(f"{name}: {noise.source}" for name, noise in channels.items())
-    return Floor(channels, spread, source, colours)
+    return Floor(channels, spread, colours)
 
 
 def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
