@@ -81,8 +81,8 @@ def with_misfit_errors(found: Fit) -> Fit:
     scales = np.divide(1.0, length, out=np.zeros_like(length), where=(length > 0.0) & inside)
     cycles, free = cycle_sums(found, scales), np.flatnonzero(scales)
     scatter = scatter_of_scores(cycles, len(free), len(found.windows))
-    if scatter is None:
-        return as_white_misfit(found)
+    if scatter is None:  # white noise as dense as the misfit is all that can be said
+        return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
     density, beyond = _density_elsewhere(cycles), scatter.sum(axis=0)
     for one in cycles:
         beyond[np.ix_(one.places, one.places)] -= density * one.products
@@ -94,11 +94,6 @@ def with_misfit_errors(found: Fit) -> Fit:
     whole = found.covariance * density
     whole[own] = covariance * np.outer(raised * scales[free], raised * scales[free])
     return _with_covariance(found, whole)
-
-
-def as_white_misfit(found: Fit) -> Fit:
-    """Return a fit with the errors that white noise as dense as the misfit around the motion's frequency would leave."""
-    return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
 
 
 def _with_covariance(found: Fit, covariance: Array) -> Fit:

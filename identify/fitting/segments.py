@@ -69,7 +69,8 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
         return (prepared,)
     bounds = _bounds(n, cycle, drifting=drifts(prepared))
     share = sum(last - first for first, last in bounds) / n
-    return tuple(_segment(prepared, first, last, share) for first, last in bounds)
+    pieces = (part_of(prepared, slice(first, last)) for first, last in bounds)
+    return tuple(replace(p, window=p.window.with_(segment=True), share=share) for p in pieces)
 
 
 def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
@@ -90,18 +91,26 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
     return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 
 
+def part_of(prepared: PreparedDecay, samples: slice) -> PreparedDecay:
+    """Return some samples of a release, with a start of their own: what was before is known of the first ones only."""
+    window = prepared.window.part(samples)
+    keep = np.arange(len(window)) >= window.lead
+    return replace(
+        prepared,
+        window=window.with_(
+            used={c: mask & keep for c, mask in window.used.items()},
+            pre_release=None if samples.start else window.pre_release,
+        ),
+        motion=prepared.motion.part(samples),
+        lost={c: mask[samples] for c, mask in prepared.lost.items()},
+        rest=None if samples.start else prepared.rest,
+    )
+
+
 def first_cycles(prepared: PreparedDecay, cycles: float) -> PreparedDecay:
     """Return the first cycles of a release, or of a piece of one; as it is where it has no more."""
     samples = int(cycles * 2.0 * np.pi / prepared.frequency * prepared.window.rate)
-    if samples >= len(prepared.window):
-        return prepared
-    kept = slice(samples)
-    return replace(
-        prepared,
-        window=prepared.window.until(samples),
-        motion=prepared.motion.part(kept),
-        lost={c: m[kept] for c, m in prepared.lost.items()},
-    )
+    return prepared if samples >= len(prepared.window) else part_of(prepared, slice(samples))
 
 
 def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
@@ -123,20 +132,6 @@ def _bounds(n: int, cycle: float, *, drifting: bool) -> list[tuple[int, int]]:
         return list(pairwise(np.linspace(0, n, count + 1).astype(int).tolist()))
     edges = np.arange(0.0, n - _SHORTEST_CYCLES * cycle, _LONG_CYCLES * cycle).astype(int).tolist()
     return list(pairwise([*edges, n]))
-
-
-def _segment(prepared: PreparedDecay, first: int, last: int, share: float) -> PreparedDecay:
-    samples = slice(first, last)
-    window = prepared.window.part(samples)
-    used = {c: m & (np.arange(last - first) >= window.lead) for c, m in window.used.items()}
-    return replace(
-        prepared,
-        window=window.with_(used=used, pre_release=window.pre_release if first == 0 else None, segment=True),
-        motion=prepared.motion.part(samples),
-        lost={c: m[samples] for c, m in prepared.lost.items()},
-        rest=prepared.rest if first == 0 else None,
-        share=share,
-    )
 
 
 _POWERS = (1.0, 2.0, 4.0, -1.0)

@@ -157,7 +157,10 @@ def validate(
     whole = prepared_of(decays)
     if not whole:
         raise NotIdentifiable("There is no release to predict.")
-    _check_units(model, whole)
+    for unit in {decay.window.unit for decay in whole}:
+        wrong = [term.effect.name for term in model.terms if not term.effect.has_meaning_for(unit)]
+        if wrong:
+            raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
     each = [fit_baseline(segments_of(decay), base_model()) for decay in whole]
     usual, basis = _usual(each, prepared_of(fitted_to))
     releases = []
@@ -173,13 +176,6 @@ def validate(
         progress(one)
         releases.append(one)
     return Validation(model, tuple(releases), basis, hold)
-
-
-def _check_units(model: Model, decays: tuple[PreparedDecay, ...]) -> None:
-    for unit in {decay.window.unit for decay in decays}:
-        wrong = [term.effect.name for term in model.terms if not term.effect.has_meaning_for(unit)]
-        if wrong:
-            raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
 
 
 def _usual(
