@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.fitting.corrected_faults import unnamed_faults
+from identify.fitting.corrected_faults import FEWEST_LOST, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
 from identify.fitting.initial_values import initial_values, regress_model
@@ -18,6 +18,7 @@ from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
+from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
 _BAND_ABOVE = 8.0
@@ -107,6 +108,9 @@ def _combine(known: Noise, std: float, error: float) -> Noise:
 
 _SETTLED = 1e-4
 """Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
+
+_STALE_OFF = 3.5
+"""Noise standard deviations off the fit at which a stale reading counts as lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,12 +202,32 @@ def fit_baseline(
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
     start = own_springs(decays, model, start) | start
-    return refit_at_floor(decays, fit(model, windows, start, frequency)).decided
+    found = fit(model, windows, start, frequency)
+    mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
+    if any(new is not old for new, old in zip(mended, decays, strict=True)):
+        found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
+    return refit_at_floor(mended, found).decided
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
     """Return a release with the standard error of the reduced chi-square at its floor, unless that was decided before."""
     return prepared if prepared.floor_std is not None else replace(prepared, floor_std=width)
+
+
+def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
+    """Leave out the stale readings that only a fit can show, in channels that are known to lose readings."""
+    lost, used = dict(prepared.lost), dict(prepared.window.used)
+    for channel, mask in prepared.lost.items():
+        if int(mask.sum()) < FEWEST_LOST:
+            continue
+        off = np.abs(found.residual(channel, i)) > _STALE_OFF * prepared.window.sigma[channel]
+        further = stale(prepared.window.readings[channel]) & off & used[channel]
+        if further.any():
+            lost[channel] = mask | further
+            used[channel] = used[channel] & ~further
+    if all(lost[channel] is prepared.lost[channel] for channel in lost):
+        return prepared
+    return replace(prepared, lost=lost, window=prepared.window.with_(used=used))
 
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:

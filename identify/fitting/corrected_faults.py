@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 UNSTATED_GAIN_UNCERTAINTY = 0.03
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing: ordinary sensors are 1 to 5 % off."""
 
-_FEWEST_LOST = 3
+FEWEST_LOST = 3
 _BY_CHANCE = 4.0
 """Drop of chi-square that is no surprise."""
 
@@ -122,7 +122,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             drop += float(np.sum(off**2))
             count += len(off)
             total += len(window)
-        if count >= _FEWEST_LOST:
+        if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
             term = Term(fault, {"channel": channel})
             misfit = max(fit.reduced, 1.0)
