@@ -7,10 +7,10 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import block_diag, solve_triangular
+from scipy.linalg import block_diag
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -63,33 +63,34 @@ def walk_beside(found: Fit) -> RandomWalk:
     free = jacobian.free(np.column_stack([residual, *columns]))
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
-    best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1), walk[:, :0]), []
-    for stiffness in _STRENGTHS:
-        for damping in _STRENGTHS:
-            scale = np.where(is_spring, stiffness, damping)
-            if not scale.any():
-                continue
-            gain, explained = explained_by(products * np.outer(scale, scale), along * scale)
-            likelihood.append(gain)
-            gain -= _EACH * np.count_nonzero([stiffness, damping])
-            if gain > best.evidence:
-                left = (square - explained) / max(found.degrees, 1)
-                best = RandomWalk(gain, float(stiffness), float(damping), left, walk * scale)
-    most = max(likelihood)
-    mean = np.mean(np.exp(np.array(likelihood) - most))
-    evidence = most + np.log(0.5 * np.exp(-most) + 0.5 * mean)
-    return replace(best, evidence=float(evidence))
+    likelihood, explained = np.zeros((2, len(_STRENGTHS), len(_STRENGTHS)))
+    for i, stiffness in enumerate(_STRENGTHS):
+        scale = np.where(is_spring, stiffness, _STRENGTHS[:, None])
+        both = products * scale[:, :, None] * scale[:, None, :]
+        likelihood[i], explained[i] = explained_by(both, along * scale)
+    is_there = np.array(_STRENGTHS > 0.0, dtype=float)
+    stated = likelihood - _EACH * (is_there[:, None] + is_there)
+    i, j = np.unravel_index(np.argmax(stated), stated.shape)
+    walks = likelihood.ravel()[1:]
+    mean = np.logaddexp.reduce(walks) - np.log(len(walks))
+    return RandomWalk(
+        float(np.logaddexp(0.0, mean) - np.log(2.0)),
+        float(_STRENGTHS[i]),
+        float(_STRENGTHS[j]),
+        (square - float(explained[i, j])) / max(found.degrees, 1),
+        walk * np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j]) if i or j else walk[:, :0],
+    )
 
 
-def explained_by(products: Array, along: Array) -> tuple[float, float]:
-    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1.
+def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
+    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1, (...,).
 
-    `products` (columns, columns) are those of the columns with one another, `along` (columns,) those with the misfit.
+    `products` (..., columns, columns) are those of the columns with one another, `along` (..., columns) those with the
+    misfit.
     """
-    factor = np.linalg.cholesky(np.eye(len(along)) + products)
-    followed = solve_triangular(factor, along, lower=True, check_finite=False)
-    explained = float(followed @ followed)
-    return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
+    factor = np.linalg.cholesky(np.eye(along.shape[-1]) + products)
+    explained = (np.linalg.solve(factor, along[..., None])[..., 0] ** 2).sum(axis=-1)
+    return 0.5 * explained - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1), explained
 
 
 def _responses(problem: Problem, theta: Array, kind: str) -> Array:
