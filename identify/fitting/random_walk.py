@@ -64,10 +64,10 @@ def walk_beside(found: Fit) -> RandomWalk:
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
     likelihood, explained = np.zeros((2, len(_STRENGTHS), len(_STRENGTHS)))
-    for i, stiffness in enumerate(_STRENGTHS):
+    for row, stiffness in enumerate(_STRENGTHS):
         scale = np.where(is_spring, stiffness, _STRENGTHS[:, None])
         both = products * scale[:, :, None] * scale[:, None, :]
-        likelihood[i], explained[i] = explained_by(both, along * scale)
+        likelihood[row], explained[row] = explained_by(both, along * scale)
     is_there = np.array(_STRENGTHS > 0.0, dtype=float)
     stated = likelihood - _EACH * (is_there[:, None] + is_there)
     i, j = np.unravel_index(np.argmax(stated), stated.shape)
