@@ -16,17 +16,15 @@ class Harmonics:
     """Residual force per unit mass (m/s^2) at 0, 1, 2 ... times the frequency, as if constant over the record.
 
     With u = A cos(theta) the force is the sum over n of amplitude cos(n theta + phase). `with_displacement` is its part
-    in phase with cos(n theta), `with_velocity` its part in phase with -sin(n theta); each of shape (orders,), with
-    their standard errors. Order 0 has no part with the velocity. `significance` is in standard errors.
+    in phase with cos(n theta), `with_velocity` its part in phase with -sin(n theta); each of shape (orders,).
+    Order 0 has no part with the velocity. `significance` is in standard errors.
     """
 
     order: Array
     amplitude: Array
     phase: Array
     with_displacement: Array
-    with_displacement_std: Array
     with_velocity: Array
-    with_velocity_std: Array
     significance: Array
 
 
@@ -37,21 +35,17 @@ def compare_harmonics(shooting: MultipleShooting) -> Harmonics:
     orders = np.arange(top + 1)
     patterns = np.column_stack([np.cos(n * angle) for n in orders] + [-np.sin(n * angle) for n in orders[1:]])
     found = estimate_extra_force(shooting, patterns)
-    cosine, cosine_std = found.size[: top + 1], found.std[: top + 1]
-    sine = np.concatenate([[0.0], found.size[top + 1 :]])
-    sine_std = np.concatenate([[0.0], found.std[top + 1 :]])
     significance = np.empty(top + 1)
     for n in orders:
         places = [n] if n == 0 else [n, top + n]
         size = found.size[places]
         significance[n] = np.sqrt(size @ np.linalg.solve(found.covariance[np.ix_(places, places)], size))
+    cosine, sine = found.size[: top + 1], np.concatenate([[0.0], found.size[top + 1 :]])
     return Harmonics(
         frozen(orders.astype(float)),
         frozen(np.hypot(cosine, sine)),
         frozen(np.arctan2(sine, cosine)),
         frozen(cosine),
-        frozen(cosine_std),
         frozen(sine),
-        frozen(sine_std),
         frozen(significance),
     )

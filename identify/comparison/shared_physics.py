@@ -13,7 +13,7 @@ from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values
-from identify.fitting.segments import segments_of
+from identify.fitting.segments import part_of, segments_of
 from identify.formatting import three_figures
 from identify.model.model import Model, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -193,19 +193,4 @@ def _halves(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     middle = n // 2
     if middle / window.rate * prepared.frequency / (2.0 * np.pi) < _FEWEST_CYCLES:
         return ()
-    return tuple(_part(prepared, slice(first, last)) for first, last in ((0, middle), (middle, n)))
-
-
-def _part(prepared: PreparedDecay, samples: slice) -> PreparedDecay:
-    window = prepared.window.part(samples)
-    keep = np.arange(len(window)) >= window.lead
-    return replace(
-        prepared,
-        window=window.with_(
-            used={c: mask & keep for c, mask in window.used.items()},
-            pre_release=window.pre_release if samples.start == 0 else None,
-        ),
-        motion=prepared.motion.part(samples),
-        lost={c: mask[samples] for c, mask in prepared.lost.items()},
-        rest=prepared.rest if samples.start == 0 else None,
-    )
+    return tuple(part_of(prepared, slice(first, last)) for first, last in ((0, middle), (middle, n)))

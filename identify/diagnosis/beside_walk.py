@@ -26,7 +26,6 @@ from identify.evidence import Evidence, decide, evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
-from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
 from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES
@@ -40,16 +39,14 @@ def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
 
     The coordinates are as probable as one another; a law's size is not known, and a large one is rarer.
     """
-    problem = Problem(found.model, found.windows, found.frequency)
-    residual, jacobian = linearise(problem, found.theta)
-    tangent = jacobian.tangent(np.diag(jacobian.normal()) > 0.0)
-    misfit = tangent.free(residual)
+    residual, jacobian = found.linearised
+    misfit = jacobian.free(residual)
     known, _ = explained_by(walk.follows.T @ walk.follows, walk.follows.T @ misfit)
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
     each = []
-    for law in _laws(problem, found.theta):
-        columns = np.column_stack([walk.follows, tangent.free(law)])
+    for law in _laws(found.problem, found.theta):
+        columns = np.column_stack([walk.follows, jacobian.free(law)])
         products, along = columns.T @ columns, columns.T @ misfit
         for size, prior in zip(SIZES[1:], rarer, strict=True):
             scale = np.ones(len(along))

@@ -24,7 +24,7 @@ from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
-from identify.fitting.baseline import Baseline, with_noise_beside
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit, is_far
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.misfit_errors import is_clear, misfit_density
@@ -238,7 +238,7 @@ def line_beside(
     model = baseline.fit.model.plus(best.term)
     begun = best.fit.point | baseline.fit.point
     usual = fit(model, baseline.fit.windows, begun, baseline.fit.frequency, near=True)
-    beside = with_noise_beside(replace(baseline, fit=usual), best.fit)
+    beside = replace(baseline, fit=usual)
     names = {entry.candidate.name for entry in ranked} - {best.name}
     tried = tuple(effect for effect in library if effect.name in names)
     return LineBeside(line, beside, rank(beside, singles(beside, tried)))

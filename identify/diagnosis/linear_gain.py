@@ -15,7 +15,6 @@ from identify.effects.effect import Scales
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import inner_values, reachable_starts, rest_states, term_starts
-from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
@@ -131,12 +130,11 @@ class Slope:
     @classmethod
     def of(cls, base: Fit) -> Self:
         """Return the slope at a fit."""
-        problem = Problem(base.model, base.windows, base.frequency)
-        return cls(base, problem, *linearise(problem, base.theta))
+        return cls(base, base.problem, *base.linearised)
 
     def free_of_known(self, columns: Array) -> Array:
         """Return what the model's own parameters cannot follow of columns (n, m)."""
-        return self.jacobian.tangent().free(columns)
+        return self.jacobian.free(columns)
 
 
 def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:

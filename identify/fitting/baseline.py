@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.fitting.corrected_faults import FEWEST_LOST, allowance
+from identify.fitting.corrected_faults import FEWEST_LOST, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
 from identify.fitting.initial_values import initial_values, regress_model
-from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
+from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.model.model import Model
@@ -18,7 +18,6 @@ from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
-from identify.signal.coloured_noise import Colour, Whitening, spectrum
 from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
@@ -38,14 +37,13 @@ class Floor:
 
     channels: dict[str, Noise]
     chi_square_std: float
-    source: str
     colours: dict[str, ChannelColour] = field(default_factory=dict)
 
     def on(self, window: FitWindow) -> FitWindow:
         """Return the window with this noise."""
         return window.with_(
             sigma={c: self.channels[c].std for c in window.channels},
-            colour={c: Colour(found.components, found.uncertainty) for c, found in self.colours.items()},
+            colour=dict(self.colours),
         )
 
 
@@ -62,35 +60,27 @@ def refine_floor(
 
 
 def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, ChannelColour]) -> Floor:
-    window = fit.windows[i]
+    window = fit.windows[i].with_(colour=dict(colours))
     channels: dict[str, Noise] = {}
     share = 0.0
     total = sum(int(window.used[c].sum()) for c in window.channels)
+    bins = np.asarray(np.fft.rfftfreq(len(window), 1.0 / window.rate), dtype=np.float64)
     for channel in window.channels:
-        used = window.used[channel]
-        colour = colours.get(channel)
-        residual = _whitened(fit, i, channel, colour)
-        std, error = high_band_floor(residual, window.rate, _BAND_ABOVE * fit.frequency / (2.0 * np.pi))
-        before = known[channel] if colour is None else _white_at_rest(known[channel], colour, i)
+        used, before, open_ = window.used[channel], known[channel], 0.0
+        if channel in colours:
+            before = _white_at_rest(before, colours[channel], i)
+            open_ = float(np.mean(colours[channel].log_error(bins, window.rate)))
+        residual = window.in_noise(channel, np.where(used, fit.residual(channel, i), 0.0))
+        std, error = high_band_floor(
+            window.sigma[channel] * residual[window.lead :],
+            window.rate,
+            _BAND_ABOVE * fit.frequency / (2.0 * np.pi),
+        )
         channels[channel] = _combine(before, std, error)
         relative = channels[channel].uncertainty / channels[channel].std
-        open_ = (
-            2.0 * relative if colour is None else float(np.hypot(2.0 * relative, _left_open(colour, window)))
-        )
-        share += (int(used.sum()) / total * open_) ** 2
+        share += (int(used.sum()) / total * float(np.hypot(2.0 * relative, open_))) ** 2
     spread = float(np.sqrt(2.0 / max(fit.degrees, 1) + share))
-    source = "; ".join(f"{name}: {noise.source}" for name, noise in channels.items())
-    return Floor(channels, spread, source, colours)
-
-
-def _whitened(fit: Fit, i: int, channel: str, colour: ChannelColour | None) -> Array:
-    """Return the residual of the readings that are compared, SI, whitened where it is coloured, 0 where not used."""
-    window = fit.windows[i]
-    used = window.used[channel]
-    residual = np.where(used, fit.residual(channel, i), 0.0)
-    if colour is not None:
-        residual = Whitening(colour.components, window.rate, used)(residual)
-    return residual[window.lead :]
+    return Floor(channels, spread, colours)
 
 
 def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
@@ -98,13 +88,6 @@ def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
     if std is None:
         return known
     return Noise(std, std / np.sqrt(2.0 * SHORTEST), f"{known.source}, {colour.words}")
-
-
-def _left_open(colour: ChannelColour, window: FitWindow) -> float:
-    """Return what the uncertainty of a colour's strength leaves open of the reduced chi-square of its channel."""
-    frequency = np.asarray(np.fft.rfftfreq(len(window), 1.0 / window.rate), dtype=np.float64)
-    total = spectrum(colour.components, frequency, window.rate)
-    return colour.uncertainty * float(np.mean(1.0 - spectrum(colour.lines, frequency, window.rate) / total))
 
 
 def _combine(known: Noise, std: float, error: float) -> Noise:
@@ -125,9 +108,6 @@ def _combine(known: Noise, std: float, error: float) -> Noise:
 
 _SETTLED = 1e-4
 """Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
-
-_LOUD = 2.0
-"""Density of a residual at the motion's frequency, over the noise's, from which on a guessed floor does not excuse it."""
 
 _STALE_OFF = 3.5
 """Noise standard deviations off the fit at which a stale reading counts as lost."""
@@ -171,14 +151,14 @@ class Baseline:
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
     def stated(self, found: Fit) -> Fit:
-        """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""
-        quiet = self._reaches(found.reduced) and (self.floor_is_sure or misfit_density(found) < _LOUD)
-        return found if quiet else with_misfit_errors(found)
+        """Return a fit with the standard errors to state: its own where it is adequate, else those of the misfit."""
+        return found if self.adequate(found) else with_misfit_errors(found)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
-        extra, readings = allowance(self.decays, found, found.model)
-        return (found.chi_square + extra) / max(found.degrees + readings, 1)
+        faults = unnamed_faults(self.decays, found)
+        readings = found.degrees + sum(fault.readings for fault in faults)
+        return (found.chi_square + sum(fault.drop for fault in faults)) / max(readings, 1)
 
     @property
     def at_floor(self) -> bool:
@@ -257,30 +237,6 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
     settled = fit(found.model, windows, found.point, found.frequency, near=True, tolerance=_SETTLED)
     return Baseline(decays, settled, floors)
-
-
-def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
-    """Return a baseline with the noise that a better fit leaves; the same where that has no other colour and no other lines.
-
-    What a model lacks hides lines and slow noise in its residual, or is taken for them. With other noise the width of the
-    floor is decided anew.
-    """
-    colours = noise_colours(baseline.decays, found)
-    if _kinds(colours) == _kinds(baseline.floors[0].colours):
-        return baseline
-    floors = refine_floor(found, tuple(prepared.noise for prepared in baseline.decays), colours)
-    old = baseline.fit
-    windows = tuple(floor.on(window) for floor, window in zip(floors, old.windows, strict=True))
-    undecided = tuple(replace(prepared, floor_std=None) for prepared in baseline.decays)
-    return Baseline(undecided, fit(old.model, windows, old.point, old.frequency, near=True), floors).decided
-
-
-def _kinds(colours: dict[str, ChannelColour]) -> dict[str, tuple[str, int]]:
-    """Return the shape of each channel's colour, and how many lines are part of it."""
-    return {
-        channel: ("" if colour.shape is None else colour.shape.name, len(colour.lines))
-        for channel, colour in colours.items()
-    }
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

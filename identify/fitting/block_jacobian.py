@@ -3,15 +3,11 @@
 Windows share the physics, and each has a start, lag, gain and offsets of its own, which move no other window. What one
 release has of its own moves its windows, and a last block besides: where it is expected. All other entries are zero; they
 are not kept, not multiplied, and not changed by what a step teaches.
-
-The tangent: all changes of the readings that a fit's own parameters can follow, to first order.
-
-An orthonormal basis of them, in two parts: directions that move one window only, and those of the shared physics, which
-move all, less what the former follow of them.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Self
 
@@ -19,64 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
-
-
-@dataclass(frozen=True, eq=False)
-class Tangent:
-    """An orthonormal basis: `own[i]` (n, k) moves window i only, `shared[i]` (n, s) are rows of those of all."""
-
-    own: tuple[Array, ...]
-    shared: tuple[Array, ...]
-
-    @classmethod
-    def of(cls, own: Sequence[Array], common: Sequence[Array] | None) -> Self:
-        """Return the basis of the rows of `own` (k, n), one a window, and of `common` (s, n), one a window, if any."""
-        first = tuple(_orthonormal(rows.T) for rows in own)
-        if common is None:
-            return cls(first, tuple(np.zeros((len(basis), 0)) for basis in first))
-        size = np.sqrt(np.sum([np.sum(rows**2, axis=1) for rows in common], axis=0))
-        size = np.where(size > 0.0, size, 1.0)
-        left = []
-        for basis, rows in zip(first, common, strict=True):
-            columns = rows.T / size
-            left.append(columns - basis @ (basis.T @ columns))
-        together = _orthonormal(np.concatenate(left))
-        ends = np.cumsum([len(basis) for basis in first])[:-1]
-        return cls(first, tuple(np.split(together, ends)))
-
-    def part(self, i: int) -> Array:
-        """Return the rows of window i of all directions that move it, (n, k + s)."""
-        return np.concatenate([self.own[i], self.shared[i]], axis=1)
-
-    def free(self, columns: Array) -> Array:
-        """Return what the parameters cannot follow of some columns (readings, m) or of one (readings,)."""
-        parts = [
-            part - basis @ (basis.T @ part)
-            for basis, part in zip(self.own, self._split(columns), strict=True)
-        ]
-        if self.shared[0].shape[1]:
-            common = np.sum([basis.T @ part for basis, part in zip(self.shared, parts, strict=True)], axis=0)
-            for part, basis in zip(parts, self.shared, strict=True):
-                part -= basis @ common
-        return np.concatenate(parts)
-
-    def beside(self, i: int, column: Array) -> tuple[Array, Array]:
-        """Return a column (n,) that moves window i only, less what its own parameters follow, and what of it lies elsewhere.
-
-        The latter are its products with the directions of all windows, (s,).
-        """
-        free = column - self.own[i] @ (self.own[i].T @ column)
-        return free, self.shared[i].T @ free
-
-    def _split(self, columns: Array) -> list[Array]:
-        return np.split(columns, np.cumsum([len(basis) for basis in self.own])[:-1])
-
-
-def _orthonormal(columns: Array) -> Array:
-    """Return an orthonormal basis of columns (n, k), (n, k)."""
-    size = np.linalg.norm(columns, axis=0)
-    return np.asarray(np.linalg.qr(columns / np.where(size > 0.0, size, 1.0))[0])
-
 
 _STOOD_STILL = 1e-12
 """Share of a step's square that lies in a window below which it was not moved."""
@@ -146,7 +84,8 @@ class BlockJacobian:
     @property
     def rows(self) -> list[slice]:
         """Where the readings of each window stand among all."""
-        return rows_of([block.shape[1] for block in self.blocks])
+        ends = np.cumsum([0, *(block.shape[1] for block in self.blocks)]).tolist()
+        return [slice(a, b) for a, b in pairwise(ends)]
 
     def of_unknown(self, j: int) -> Iterator[tuple[int, Array]]:
         """Yield each window that unknown j moves with its row there, (n,), which may be written to."""
@@ -195,25 +134,35 @@ class BlockJacobian:
             blocks.append(block)
         return type(self)(self.pattern, tuple(blocks))
 
-    def tangent(self, kept: Mask | None = None) -> Tangent:
-        """Return what the unknowns, or those `kept` of them, can follow."""
-        kept = np.ones(len(self.shared), dtype=bool) if kept is None else kept
-        if len(self.blocks) == 1:
-            return Tangent.of((self.blocks[0][kept[self.places[0]]],), None)
-        own = [block[kept[at] & ~self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)]
-        shared = np.flatnonzero(kept & self.shared)
-        return Tangent.of(own, [self._rows_in(i, shared) for i in range(len(self.blocks))])
+    def free(self, columns: Array) -> Array:
+        """Return what the unknowns cannot follow, to first order, of columns (readings, m) or of one (readings,)."""
+        parts = [
+            part - own @ (own.T @ part)
+            for (own, _), part in zip(self.bases, (columns[rows] for rows in self.rows), strict=True)
+        ]
+        together = sum(shared.T @ part for (_, shared), part in zip(self.bases, parts, strict=True))
+        return np.concatenate(
+            [part - shared @ together for (_, shared), part in zip(self.bases, parts, strict=True)]
+        )
 
-    def _rows_in(self, i: int, unknowns: NDArray[np.int_]) -> Array:
-        """Return the rows of block i of some unknowns, 0 of those that do not move it, (unknowns, n)."""
-        block, at = self.blocks[i], self.places[i]
-        rows = np.zeros((len(unknowns), block.shape[1]))
-        here = np.isin(unknowns, at)
-        rows[here] = block[np.searchsorted(at, unknowns[here])]
-        return rows
+    @cached_property
+    def bases(self) -> list[tuple[Array, Array]]:
+        """In each window an orthonormal basis of what moves it alone, (n, k), and its rows of that of the shared unknowns.
+
+        The latter (n, s) is of what the former leave of them.
+        """
+        own, left, shared = [], [], np.flatnonzero(self.shared)
+        for at, block in zip(self.places, self.blocks, strict=True):
+            basis = _orthonormal(block[~self.shared[at]].T)
+            columns = np.zeros((block.shape[1], len(shared)))
+            columns[:, np.isin(shared, at)] = block[self.shared[at]].T
+            own.append(basis)
+            left.append(columns - basis @ (basis.T @ columns))
+        together = _orthonormal(np.concatenate(left))
+        return [(basis, together[rows]) for basis, rows in zip(own, self.rows, strict=True)]
 
 
-def rows_of(readings: Sequence[int]) -> list[slice]:
-    """Return where the readings of each window stand among all, from their numbers."""
-    ends = np.cumsum([0, *readings]).tolist()
-    return [slice(a, b) for a, b in pairwise(ends)]
+def _orthonormal(columns: Array) -> Array:
+    """Return an orthonormal basis of those of the columns (n, k) that are not zero."""
+    size = np.linalg.norm(columns, axis=0)
+    return np.asarray(np.linalg.qr(columns[:, size > 0.0] / size[size > 0.0])[0])

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array
 from identify.effects.library import fault_allowed_as
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
-from identify.model.model import Model, Term
+from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.running import running_median
 
 UNSTATED_GAIN_UNCERTAINTY = 0.03
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing: ordinary sensors are 1 to 5 % off."""
@@ -20,7 +18,6 @@ _BY_CHANCE = 4.0
 """Drop of chi-square that is no surprise."""
 
 _CLEAR_DROP = 12.0
-_NEAR = 9
 _WORTH_A_REMARK = 0.002
 """Relative error of the gain from which on it is remarked on where the calibration would allow it."""
 
@@ -67,12 +64,6 @@ def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[Corre
 def unnamed_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
     """Return the faults that a fit has allowed for and that its model does not name; largest first."""
     return tuple(f for f in corrected_faults(decays, fit) if f.term.effect.name not in fit.model)
-
-
-def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tuple[float, int]:
-    """Return the chi-square and the readings of corrected faults that a model does not name."""
-    unnamed = [f for f in corrected_faults(decays, fit) if f.term.effect.name not in model]
-    return sum(f.drop for f in unnamed), sum(f.readings for f in unnamed)
 
 
 def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
@@ -126,7 +117,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             lost = prepared.lost.get(channel)
             if lost is None or channel not in window.readings:
                 continue
-            off = _off(fit, channel, i)[lost[: len(window)]] / window.sigma[channel]
+            off = fit.residual(channel, i)[lost[: len(window)]] / window.sigma[channel]
             off = off[np.isfinite(off)]
             drop += float(np.sum(off**2))
             count += len(off)
@@ -137,16 +128,3 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             misfit = max(fit.reduced, 1.0)
             faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}, misfit=misfit))
     return faults
-
-
-def _off(fit: Fit, channel: str, i: int) -> Array:
-    """Return the residual (n,); where the noise is coloured, less its median over the used readings near by."""
-    window, residual = fit.windows[i], fit.residual(channel, i)
-    if channel not in window.colour:
-        return residual
-    used = np.flatnonzero(window.used[channel] & np.isfinite(residual))
-    if len(used) < _NEAR:
-        return residual
-    slow = running_median(residual[used], _NEAR)
-    with np.errstate(invalid="ignore"):  # a motion that ran away has no residual
-        return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
-from identify.fitting.problem import Problem
 from identify.model.simulate import Response
 
 _FEWEST = 6
@@ -49,21 +47,32 @@ class CycleSums:
     square: float
     readings: int
 
+    @property
+    def products(self) -> Array:
+        """The products of the columns with one another, (own, own)."""
+        return np.asarray(np.einsum("pak,qak->pq", self.columns, self.columns))
 
-def cycle_sums(found: Fit) -> tuple[CycleSums, ...]:
-    """Return the sums of all channels of all windows of a fit."""
-    problem, sums = Problem(found.model, found.windows, found.frequency), []
-    jacobian = linearise(problem, found.theta)[1]
-    for i, (window, response) in enumerate(zip(found.windows, problem.responses(found.theta), strict=True)):
-        first = 0
+
+def cycle_sums(found: Fit, scales: Array) -> tuple[CycleSums, ...]:
+    """Return the sums of all channels of all windows of a fit, for steps of its unknowns by `scales` (unknowns,).
+
+    Unknowns whose scale is 0 are left out; places are among the others.
+    """
+    jacobian, sums = found.linearised[1], []
+    among = np.cumsum(scales > 0.0) - 1
+    for i, (window, response) in enumerate(
+        zip(found.windows, found.problem.responses(found.theta), strict=True)
+    ):
+        own = scales[jacobian.places[i]] > 0.0
+        at, first = jacobian.places[i][own], 0
         for channel in window.channels:
             used = window.used[channel]
             misfit = window.compared(channel, found.residual(channel, i))
-            rows = jacobian.blocks[i][:, first : first + len(misfit)]
+            rows = scales[at, None] * jacobian.blocks[i][own, first : first + len(misfit)]
             first += len(misfit)
             summed = _summed(*_rotation(response, found.frequency, used), misfit, rows)
             if summed is not None:
-                sums.append(CycleSums(i, jacobian.places[i], *summed, float(misfit @ misfit), len(misfit)))
+                sums.append(CycleSums(i, among[at], *summed, float(misfit @ misfit), len(misfit)))
     return tuple(sums)
 
 
@@ -121,17 +130,6 @@ _RANK = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class _Columns:
-    """Columns of the Jacobian in one channel of one window, of unit length over all.
-
-    `values` (own, 2, cycles) of those free unknowns that move it; `places` (own,) are theirs among the p free ones.
-    """
-
-    places: NDArray[np.int_]
-    values: Array
-
-
-@dataclass(frozen=True, eq=False)
 class _Trial:
     """Processes of one correlation and all strengths: log-likelihoods and variances of the white part, (strengths,) each.
 
@@ -140,21 +138,20 @@ class _Trial:
 
     likelihood: Array
     variance: Array
-    process: tuple[Array, ...]
+    process: list[Array]
 
 
-def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Array | None:
+def scatter_of_scores(sums: Sequence[CycleSums], p: int, windows: int) -> Array | None:
     """Return the covariance of J'e that the residual shows, by window, in units of the noise, (windows, p, p).
 
-    Of the p unknowns that are `free`, and of what lies at the motion's frequency; e is the misfit before the fit. None
-    where there are too few cycles.
+    Of p unknowns, and of what lies at the motion's frequency; e is the misfit before the fit. None where there are too
+    few cycles.
     """
     if not sums:
         return None
-    design, size = _design(sums, free)
     longest = max(np.ptp(one.position) for one in sums)
     trials = [
-        _trial(sums, design, len(size), time, power)
+        _trial(sums, p, time, power)
         for power in _POWERS
         for time in np.geomspace(1.0, max(longest, 2.0), _TIMES)
     ]
@@ -165,77 +162,43 @@ def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Ar
     weight /= weight.sum()
     variance = np.array([trial.variance for trial in trials])
     white, process = (weight * np.maximum(variance, 1.0)).sum(), (weight * variance) @ _STRENGTHS
-    total = np.zeros((windows, len(size), len(size)))
-    for k, (one, own) in enumerate(zip(sums, design, strict=True)):
-        products = white * np.einsum("pak,qak->pq", own.values, own.values)
+    total = np.zeros((windows, p, p))
+    for k, one in enumerate(sums):
+        products = white * one.products
         products += sum(share * trial.process[k] for share, trial in zip(process, trials, strict=True))
-        total[one.window][np.ix_(own.places, own.places)] += products
-    return np.asarray(total * np.outer(size, size))
+        total[one.window][np.ix_(one.places, one.places)] += products
+    return total
 
 
-def _design(sums: Sequence[CycleSums], free: Mask) -> tuple[list[_Columns], Array]:
-    """Return the columns of the free unknowns in each, and the lengths (p,) by which they were divided."""
-    among = np.cumsum(free) - 1
-    found = [_Columns(among[one.places[free[one.places]]], one.columns[free[one.places]]) for one in sums]
-    square = np.zeros(int(free.sum()))
-    for own in found:
-        square[own.places] += (own.values**2).sum(axis=(1, 2))
-    size = np.sqrt(square) + 1e-300
-    return [_Columns(own.places, own.values / size[own.places, None, None]) for own in found], size
-
-
-@dataclass(frozen=True, eq=False)
-class _Turned:
-    """One channel of one window in the eigenvectors of a process, whose eigenvalues are `sizes` (n,).
-
-    `left` (n,) is what is left, `columns` (own, n) those of the unknowns at `places` (own,) among all.
-    """
-
-    sizes: Array
-    left: Array
-    places: NDArray[np.int_]
-    columns: Array
-
-
-def _trial(
-    sums: Sequence[CycleSums], design: Sequence[_Columns], p: int, time: float, power: float
-) -> _Trial:
+def _trial(sums: Sequence[CycleSums], p: int, time: float, power: float) -> _Trial:
+    """Weigh all strengths of a process that keeps for a `time` (cycles), by restricted likelihood over p unknowns."""
     mean = np.sqrt(np.mean(np.concatenate([one.amplitude for one in sums]) ** 2))
-    turned, process = [], []
     channels = len(sums) / max(len({one.window for one in sums}), 1)
-    for one, own in zip(sums, design, strict=True):
+    products, along = np.zeros((len(_STRENGTHS), p, p)), np.zeros((len(_STRENGTHS), p))
+    square, determinant = np.zeros(len(_STRENGTHS)), np.zeros(len(_STRENGTHS))
+    process = []
+    for one in sums:
         scale = (one.amplitude / mean) ** power
         apart = np.sqrt(3.0) * np.abs(np.subtract.outer(one.position, one.position)) / time
-        variances, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart) * np.outer(scale, scale))
-        variances = np.maximum(np.tile(variances, 2), 0.0)
-        columns = (own.values @ vectors).reshape(len(own.places), -1)
-        process.append(channels * (columns * variances) @ columns.T)  # channels misfit together
-        turned.append(_Turned(variances, (one.residual @ vectors).ravel(), own.places, columns))
-    return _Trial(*_restricted(turned, p), tuple(process))
-
-
-def _restricted(turned: Sequence[_Turned], p: int) -> tuple[Array, Array]:
-    """Return restricted log-likelihood and variance of the white part for every strength, (strengths,) each.
-
-    Of p unknowns in all. The variance is raised as that of Student's distribution is by few degrees of freedom.
-    """
-    count = len(_STRENGTHS)
-    products, along = np.zeros((count, p, p)), np.zeros((count, p))
-    square, determinant = np.zeros(count), np.zeros(count)
-    for one in turned:
-        spread = 1.0 + _STRENGTHS[:, None] * one.sizes
-        weighted = one.columns / spread[:, None, :]
-        products[:, one.places[:, None], one.places] += weighted @ one.columns.T
-        along[:, one.places] += weighted @ one.left
-        square += (one.left**2 / spread).sum(axis=1)
+        sizes, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart) * np.outer(scale, scale))
+        sizes = np.maximum(np.tile(sizes, 2), 0.0)
+        columns = (one.columns @ vectors).reshape(len(one.places), -1)
+        residual = (one.residual @ vectors).ravel()
+        process.append(channels * (columns * sizes) @ columns.T)  # channels misfit together
+        spread = 1.0 + _STRENGTHS[:, None] * sizes
+        weighted = columns / spread[:, None, :]
+        products[:, one.places[:, None], one.places] += weighted @ columns.T
+        along[:, one.places] += weighted @ residual
+        square += (residual**2 / spread).sum(axis=1)
         determinant += np.log(spread).sum(axis=1)
     values, vectors = np.linalg.eigh(products)
     kept = values > _RANK * values[:, -1:]
-    free = sum(len(one.left) for one in turned) - kept.sum(axis=1)
-    turned_along = np.einsum("qpk,qp->qk", vectors, along)
-    followed = np.divide(turned_along**2, values, out=np.zeros_like(values), where=kept)
-    square = np.maximum(square - followed.sum(axis=1), 1e-300)
+    followed = np.einsum("qpk,qp->qk", vectors, along) ** 2
+    square -= np.divide(followed, values, out=np.zeros_like(values), where=kept).sum(axis=1)
+    square = np.maximum(square, 1e-300)
     determinant += np.log(values, out=np.zeros_like(values), where=kept).sum(axis=1)
-    enough = free >= _FEWEST_FREE
-    likelihood = np.where(enough, -0.5 * (free * np.log(square) + determinant), -np.inf)
-    return likelihood, np.where(enough, square / np.maximum(free - 2, 1), 1.0)
+    left = sum(one.residual.size for one in sums) - kept.sum(axis=1)
+    enough = left >= _FEWEST_FREE
+    likelihood = np.where(enough, -0.5 * (left * np.log(square) + determinant), -np.inf)
+    # raised as the variance of Student's distribution is by few degrees of freedom
+    return _Trial(likelihood, np.where(enough, square / np.maximum(left - 2, 1), 1.0), process)

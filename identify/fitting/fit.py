@@ -1,11 +1,12 @@
 """Free-run least squares: the parameters under which the simulated motion follows the readings best."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
@@ -91,21 +92,16 @@ class Fit:
         return self.values.get(str(nuisance(name, release, len(self.windows))))
 
     def of_release(self, release: int) -> dict[str, float]:
-        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone."""
-        own = self.physics_in(release)
-        return {
-            str(u.id.of_release(0, 1)): own.get(u.name, self.values[u.name].value)
-            for u in self.unknowns
-            if u.window in (-1, release) and u.deviates < 0
-        }
+        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone.
 
-    def physics_in(self, window: int) -> dict[str, float]:
-        """Return the shared parameters by name as they are in one window, with what its release has of its own."""
-        found = {u.name: self.values[u.name].value for u in self.unknowns if u.window < 0}
+        The physics is with what the window's release has of its own.
+        """
+        found = self.of_windows((release,))
         for u in self.unknowns:
-            if u.deviates >= 0 and window in u.moves:
-                name = self.unknowns[u.deviates].name
-                found[name] = max(found[name] + self.values[u.name].value, self.unknowns[u.deviates].low)
+            own = str(u.id.of_release(0, 1))
+            if u.deviates >= 0 and own in found:
+                shared = self.unknowns[u.deviates]
+                found[shared.name] = max(found[shared.name] + found.pop(own), shared.low)
         return found
 
     def of_windows(self, places: Sequence[int]) -> dict[str, float]:
@@ -137,10 +133,15 @@ class Fit:
         window = self.windows[i]
         return np.where(window.used[channel], window.in_noise(channel, self.residual(channel, i)), 0.0)
 
-    def correlation(self, first: str, second: str) -> float:
-        """Return the correlation of two unknowns' errors."""
-        i, j = self.names.index(first), self.names.index(second)
-        return float(self.covariance[i, j] / np.sqrt(self.covariance[i, i] * self.covariance[j, j]))
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem that was solved."""
+        return Problem(self.model, self.windows, self.frequency)
+
+    @cached_property
+    def linearised(self) -> tuple[Array, BlockJacobian]:
+        """Misfit (readings,) and exact Jacobian where the fit ended."""
+        return linearise(self.problem, self.theta)
 
 
 def fit(
@@ -152,67 +153,56 @@ def fit(
     tolerance: float = 0.02,
     near: bool = False,
     goal: float = 0.0,
+    held: Collection[str] = (),
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
     Far from the readings fewer of them are compared, and the motion is integrated in longer steps; in the end all are. A
     start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
-    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is. What single
-    releases have of their own counts in units of what is left, found in turn.
+    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is. Unknowns whose
+    names are `held` stay where they start. What single releases have of their own counts in units of what is left, found
+    in turn.
     """
-    found = _fit(model, windows, start, frequency, tolerance=tolerance, near=near, goal=goal)
+    problem = Problem(model, windows, frequency)
+    still = np.array([u.name in held for u in problem.unknowns]) if held else None
+    lower = partial(minimise_fully, tolerance=tolerance, held=still, goal=goal)
+    found = _fit(problem, start, lower, still, near=near, goal=goal)
     for _ in range(_ROUNDS):
-        if not any(window.own_linear for window in windows):
-            break
-        again = weighed(Problem(model, found.windows, frequency), found.theta)
+        again = weighed(found.problem, found.theta)
         if again == found.windows:
             break
-        found = _fit(model, again, found.point, frequency, tolerance=tolerance, near=True, goal=goal)
+        found = _fit(Problem(model, again, frequency), found.point, lower, still, near=True, goal=goal)
     return found
 
 
 def _fit(
-    model: Model,
-    windows: tuple[FitWindow, ...],
+    problem: Problem,
     start: dict[str, float],
-    frequency: float,
+    lower: Callable[[Problem, Array], Minimum],
+    still: Mask | None,
     *,
-    tolerance: float,
     near: bool,
     goal: float,
 ) -> Fit:
-    """Return the fit with the priors of single releases, if there are any, counted as the windows say."""
-    problem = Problem(model, windows, frequency)
+    """Return the fit with the priors of single releases, if there are any, counted as the windows say.
+
+    `lower` finds a minimum; unknowns that are `still` do not move.
+    """
+    again = partial(Problem, problem.model, problem.windows, problem.frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
     if _off(first):
-        rough = _from_afar(model, windows, theta, frequency, tolerance, near=near, goal=goal)
-        theta, still = rough.theta, not rough.cost < FAR_OFF * len(first)
-        problem = Problem(model, windows, frequency, coarse=still)
-        if still and 0.0 < goal < rough.cost:
+        far = again(far=True)
+        rough = lower(far, theta if near else _grow(problem, theta, still))
+        if not near and not rough.cost < _cost(far.residuals(theta)):  # lost to the first few cycles
+            rough = lower(far, theta)
+        theta, still_far = rough.theta, not rough.cost < FAR_OFF * len(first)
+        problem = again(coarse=still_far)
+        if still_far and 0.0 < goal < rough.cost:
             return fit_at(problem, theta)
-    found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
-    jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
-    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled)
-
-
-def _from_afar(
-    model: Model,
-    windows: tuple[FitWindow, ...],
-    theta: Array,
-    frequency: float,
-    tolerance: float,
-    *,
-    near: bool,
-    goal: float,
-) -> Minimum:
-    """Return the minimum by fewer readings and longer steps, where the misfit is far above the noise."""
-    problem = Problem(model, windows, frequency, far=True)
-    grown = theta if near else _grow(model, windows, theta, frequency)
-    found = minimise_fully(problem, grown, tolerance=tolerance, goal=goal)
-    if not near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
-        found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
-    return found
+    found = lower(problem, theta)
+    jacobian = found.jacobian if found.exact else linearise(problem, found.theta, skip=still)[1]
+    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
@@ -235,19 +225,31 @@ def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | 
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
-def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency: float) -> Array:
+def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
+    """Return the unknowns fitted to the first few cycles, then to more."""
+    windows, w = whole.windows, whole.frequency
     longest = max(len(s) for s in windows)
     for cycles in _GROWTH:
-        samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
+        samples = int(cycles * 2.0 * np.pi / w * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency, far=True)
-        theta = minimise(short, theta, steps=8, tolerance=1.0).theta
+        short = Problem(whole.model, tuple(s.until(min(samples, len(s))) for s in windows), w, far=True)
+        theta = minimise(short, theta, steps=8, tolerance=1.0, held=still).theta
     return theta
 
 
-def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian, *, settled: bool) -> Fit:
+def _result(
+    problem: Problem,
+    theta: Array,
+    cost: float,
+    jacobian: BlockJacobian,
+    *,
+    settled: bool,
+    still: Mask | None = None,
+) -> Fit:
     at_bound = (theta <= problem.low) | (theta >= problem.high)
+    if still is not None:
+        at_bound |= still
     normal = jacobian.normal()
     normal[at_bound], normal[:, at_bound] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))

@@ -1,8 +1,8 @@
 """Adequacy without a floor: power of a fit's residual at the motion's harmonics against that between and above them.
 
 What a model of a motion lacks repeats with the motion, and stands at its harmonics; noise does not know them. The ratio of
-the two powers needs no level of the noise. Its distribution for an adequate model is that of a ratio of two means of squares
-(Fisher's F), whose degrees of freedom and mean come from drawn noise, less what the fit's own unknowns can follow.
+the two powers needs no level of the noise. For an adequate model it is that of two means of squares (Fisher's F): white
+noise has as much power in every bin, less what the fit's own unknowns can follow there.
 """
 
 from dataclasses import dataclass
@@ -11,8 +11,6 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
-from identify.fitting.problem import Problem
 from identify.formatting import three_figures
 from identify.preprocessing.fit_window import FitWindow
 from identify.priors import SPEAKS_AGAINST
@@ -28,7 +26,9 @@ _HIGHEST = 8.0
 _LINE = 14.0
 """Times the median power from which on a bin between the harmonics holds a line, which is no noise."""
 
-_DRAWS = 100
+_INDEPENDENT = 0.52
+"""Independent values a bin of a spectrum under Hann's taper."""
+
 _FEWEST = 6
 
 
@@ -64,63 +64,57 @@ class HarmonicResidual:
 def harmonic_residual(fit: Fit) -> HarmonicResidual:
     """Return the power of a fit's residual at once, twice and three times the motion's frequency, against that off them.
 
-    Of all releases together, in units of the noise, whitened where it is coloured, with the same draws each time.
+    Of all releases together, in units of the noise, whitened where it is coloured.
     """
-    problem = Problem(fit.model, fit.windows, fit.frequency)
-    residual, jacobian = linearise(problem, fit.theta)
+    residual, jacobian = fit.linearised
     if not np.isfinite(residual).all():
         return HarmonicResidual(np.inf, 0.0, {})
-    tangent = jacobian.tangent(np.diag(jacobian.normal()) > 0.0)
-    random = np.random.default_rng(0)
-    noise = np.concatenate(
-        [
-            *(w.draw_noise(c, random, _DRAWS) for w in fit.windows for c in w.channels),
-            np.zeros((len(problem.expected), _DRAWS)),
-        ]
-    )
-    columns = np.column_stack([residual, tangent.free(noise)])
-    at: dict[str, list[Array]] = {}
-    off: dict[str, list[Array]] = {}
-    first = 0
-    for window in fit.windows:
+    found: dict[str, list[Array]] = {}
+    for i, window in enumerate(fit.windows):
+        columns, first = np.column_stack([residual[jacobian.rows[i]], *jacobian.bases[i]]), 0
         for channel in window.channels:
             count = int(window.used[channel].sum())
             powers = _powers(window, channel, columns[first : first + count], fit.frequency)
             first += count
             if powers is not None:
-                at.setdefault(channel, []).append(powers[0])
-                off.setdefault(channel, []).append(powers[1])
-    if not at:
+                found.setdefault(channel, []).append(powers)
+    if not found:
         return HarmonicResidual(1.0, 1.0, {})
-    alone = {c: _judged(np.sum(at[c], axis=0), np.sum(off[c], axis=0))[1] for c in at}
-    ratio, p = _judged(
-        np.sum([p for parts in at.values() for p in parts], axis=0),
-        np.sum([p for parts in off.values() for p in parts], axis=0),
-    )
-    return HarmonicResidual(ratio, p, alone)
+    ratio, p = _ratio(np.sum([powers for parts in found.values() for powers in parts], axis=0))
+    return HarmonicResidual(ratio, p, {c: _ratio(np.sum(parts, axis=0))[1] for c, parts in found.items()})
 
 
-def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -> tuple[Array, Array] | None:
-    """Return the power at the harmonics and off them of the residual and of each draw, (1 + draws,) each."""
+def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -> Array | None:
+    """Return power at the harmonics, that expected there from what lies off them, and how sure they are, (5,).
+
+    The last three are both expectations under white noise, and by how much the first may be off by an uncertain colour.
+    The `columns` (used, 1 + k) are the residual and an orthonormal basis of what the fit can follow; powers are in units
+    of white noise in one bin.
+    """
     padded = np.zeros((len(window), columns.shape[1]))
     padded[window.used[channel]] = columns
-    padded = padded[window.lead :]
-    n = len(padded)
-    at, off = _places(n, window.rate, frequency / (2.0 * np.pi))
+    taper = np.hanning(len(window) - window.lead)
+    bins = np.asarray(np.fft.rfftfreq(len(taper), 1.0 / window.rate), dtype=np.float64)
+    at, off = _places(bins, window.rate / len(taper), window.rate, frequency / (2.0 * np.pi))
+    power = np.abs(np.fft.rfft(padded[window.lead :] * taper[:, None], axis=0)) ** 2
+    power /= np.sum(taper[window.used[channel][window.lead :]] ** 2)
     if int(at.sum()) < _FEWEST or int(off.sum()) < 2 * _FEWEST:
         return None
-    power = np.abs(np.fft.rfft(padded * np.hanning(n)[:, None], axis=0)) ** 2
     lines = power[:, 0] > _LINE * float(np.median(power[off, 0]))
     off &= ~(lines | np.roll(lines, 1) | np.roll(lines, -1))
     if int(off.sum()) < 2 * _FEWEST:
         return None
-    return power[at].sum(axis=0), power[off].sum(axis=0) * (at.sum() / off.sum())
+    left, shift = 1.0 - power[:, 1:].sum(axis=1), 0.0
+    expected_at, expected_off = float(left[at].sum()), float(left[off].sum())
+    if channel in window.colour:
+        unsure = window.colour[channel].log_error(bins, window.rate)
+        shift = float(unsure[at].mean() - unsure[off].mean())
+    scaled = power[off, 0].sum() * expected_at / expected_off
+    return np.array([power[at, 0].sum(), scaled, expected_at, expected_off, shift * expected_at])
 
 
-def _places(n: int, rate: float, frequency: float) -> tuple[Mask, Mask]:
-    """Return which bins lie at the first harmonics and which off all of them, up to some harmonics above."""
-    bins = np.fft.rfftfreq(n, 1.0 / rate)
-    width = rate / n
+def _places(bins: Array, width: float, rate: float, frequency: float) -> tuple[Mask, Mask]:
+    """Return which bins (Hz) lie at the first harmonics and which off all of them, up to some harmonics above."""
     nearest = np.maximum(np.rint(bins / frequency), 1.0)
     away = np.abs(bins - nearest * frequency)
     inside = (bins > 0.5 * frequency) & (bins < min(_HIGHEST * frequency, 0.45 * rate))
@@ -129,10 +123,11 @@ def _places(n: int, rate: float, frequency: float) -> tuple[Mask, Mask]:
     return at, off
 
 
-def _judged(at: Array, off: Array) -> tuple[float, float]:
-    """Return the ratio of the first of two powers over its expectation, and its p-value, from the draws that follow."""
-    ratio = float(at[0] / off[0] * np.mean(off[1:]) / np.mean(at[1:]))
-    degrees = [2.0 * float(np.mean(p[1:]) ** 2 / np.var(p[1:])) for p in (at, off)]
+def _ratio(powers: Array) -> tuple[float, float]:
+    """Return the ratio of power at the harmonics to that off them, over its expectation, and its p-value."""
+    at, scaled, expected_at, expected_off, shift = powers.tolist()
+    ratio = at / scaled
+    unsure = 1.0 / (_INDEPENDENT * expected_at) + (shift / expected_at) ** 2
     from scipy.stats import f as fisher  # costs every program half a second to load
 
-    return ratio, float(fisher.sf(ratio, *degrees))
+    return ratio, float(fisher.sf(ratio, 2.0 / unsure, 2.0 * _INDEPENDENT * expected_off))

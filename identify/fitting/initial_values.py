@@ -1,7 +1,5 @@
 """Where a fit may begin: strengths by equation error, inner parameters by the effects' own rules, states by the motion."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from identify.algebra import bounded_least_squares
@@ -110,11 +108,10 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
 def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tuple[Array, Array]:
     """Return forces of unit strength (m, forces) and restoring force (m,) where it moves, in units of the noise.
 
-    Both without their means, which leaves a release its own zero. Where the mass was only estimated, a last column is
-    the external force's.
+    Both without their means, which leaves a release its own zero.
     """
     motion, used = prepared.motion, moving(prepared.motion)
-    columns = np.column_stack(_columns(prepared, model, inner))[used]
+    columns = _force_columns(prepared, model, inner)[used]
     restoring = prepared.restoring[used]
     noise = motion.noise_acceleration or 1.0
     if not used.any() or not np.isfinite(columns).all():
@@ -122,7 +119,11 @@ def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tup
     return (columns - columns.mean(axis=0)) / noise, (restoring - restoring.mean()) / noise
 
 
-def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> list[Array]:
+def _force_columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> Array:
+    """Return forces of unit strength along the measured motion, (n, forces), at inner parameters by full name.
+
+    Where the mass was only estimated, a last column is the external force's.
+    """
     motion = prepared.motion
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     held = prepared.window.pre_release
@@ -134,7 +135,7 @@ def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> 
     if prepared.window.estimates_mass:
         assert prepared.window.force is not None
         columns.append(-prepared.window.force)
-    return columns
+    return np.column_stack(columns)
 
 
 def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> Regression:
@@ -142,10 +143,8 @@ def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]
 
     Where the mass was only estimated, what the external force should be corrected by is regressed too.
     """
-    motion = prepared.motion
-    design = np.column_stack(_columns(prepared, model, inner))
-    found = regress(prepared.restoring, design, moving(motion), motion.noise_acceleration or 1.0)
-    return replace(found, strengths=found.strengths[: len(model.forces)])
+    motion, columns = prepared.motion, _force_columns(prepared, model, inner)
+    return regress(prepared.restoring, columns, moving(motion), motion.noise_acceleration or 1.0)
 
 
 def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:

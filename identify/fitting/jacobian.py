@@ -3,7 +3,7 @@
 A slope need not be known to the noise: what is simulated for it is integrated in longer steps than the motion is.
 """
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 
 import numpy as np
@@ -30,7 +30,6 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     The problem keeps the steps, each so large that it moves the readings well above rounding and well below the noise.
     """
     responses, parts = problem.responses(theta), problem.misfits(theta)
-    start = _Start(problem, theta, responses, parts)
     expected = problem.off_expected(theta)
     residual = np.concatenate([*parts, *expected])
     jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in [*parts, *expected]])
@@ -38,13 +37,17 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
         return residual, jacobian
     size = problem.sizes(theta)
     problem.steps = np.where(problem.steps > 0.0, problem.steps, _STEP * size)
+    starts = [
+        _Start(response, part, *_for_slope(problem, theta, i, part))
+        for i, (response, part) in enumerate(zip(responses, parts, strict=True))
+    ]
     as_shared = _as_shared(problem, skip)
     for j in range(len(theta)):
         if (skip is not None and skip[j]) or j in as_shared:
             continue
         rows = [(i, row) for i, row in jacobian.of_unknown(j) if i < len(parts)]
         for _ in range(_STEP_TRIALS):
-            step, changes = _difference(problem, start, j, [i for i, _ in rows])
+            step, changes = _difference(problem, theta, j, {i: starts[i] for i, _ in rows})
             with np.errstate(over="ignore"):
                 moved = sqrt(sum(float(c @ c) for c, _ in changes) / len(residual))
             if not _improve_step(problem, j, moved, float(size[j])):
@@ -88,51 +91,49 @@ def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
     return not 0.03 < problem.steps[j] / before < 30.0
 
 
+@dataclass(frozen=True, eq=False)
 class _Start:
-    """Where differences are taken from: motion and misfit followed to the noise, and the misfit as followed for a slope."""
+    """Where differences are taken from in one window: its motion and misfit (n,) followed to the noise, and as for a slope.
 
-    def __init__(self, problem: Problem, theta: Array, responses: list[Response], parts: list[Array]) -> None:
-        self.problem = problem
-        self.theta = theta
-        self.responses = responses
-        self.parts = parts
-        self._for_slope: dict[int, tuple[int, Array]] = {}
+    For that it is integrated in so many `substeps` a sample, with `rough` as its misfit (n,).
+    """
 
-    def for_slope(self, i: int) -> tuple[int, Array]:
-        """Return in how many steps a sample window i is integrated for a slope, and its misfit (n,) in as many.
+    response: Response
+    misfit: Array
+    substeps: int
+    rough: Array
 
-        Where a motion runs away in longer steps, they are as short as the motion needs.
-        """
-        if i not in self._for_slope:
-            whole = self.problem.substeps(self.theta, i)
-            fewer, part = self.problem.substeps(self.theta, i, tangent=True), self.parts[i]
-            if fewer < whole:
-                response = self.problem.respond(self.theta, i, fewer)
-                part = self.problem.residual_of(i, self.problem.read(self.theta, i, response))
-            self._for_slope[i] = (fewer, part) if np.isfinite(part).all() else (whole, self.parts[i])
-        return self._for_slope[i]
+
+def _for_slope(problem: Problem, theta: Array, i: int, misfit: Array) -> tuple[int, Array]:
+    """Return in how many steps a sample window i is integrated for a slope, and its misfit (n,) in as many.
+
+    Where a motion runs away in longer steps, they are as short as the motion needs.
+    """
+    whole, fewer = problem.substeps(theta, i), problem.substeps(theta, i, tangent=True)
+    if fewer < whole:
+        rough = problem.residual_of(i, problem.read(theta, i, problem.respond(theta, i, fewer)))
+        if np.isfinite(rough).all():
+            return fewer, rough
+    return whole, misfit
 
 
 def _difference(
-    problem: Problem, start: _Start, j: int, windows: Sequence[int]
+    problem: Problem, theta: Array, j: int, starts: dict[int, _Start]
 ) -> tuple[float, list[tuple[Array, float]]]:
-    """Return the step taken in unknown j, and the change of the misfit of each of the `windows` that it moves, (n,).
+    """Return the step taken in unknown j, and the change of the misfit of each window of `starts`, (n,).
 
     With each comes its largest value; what is not finite counts as no change.
     """
-    unknown, here = problem.unknowns[j], start.theta[j]
-    away = (
-        -problem.steps[j] if here < 0.0 else problem.steps[j]
-    )  # from zero: alike where a motion is turned over
-    moved = start.theta.copy()
+    unknown, here, size = problem.unknowns[j], theta[j], problem.steps[j]
+    away = -size if here < 0.0 else size  # from zero: alike where a motion is turned over
+    moved = theta.copy()
     moved[j] += away if problem.low[j] <= here + away <= problem.high[j] else -away
-    step = float(moved[j] - start.theta[j])
+    step = float(moved[j] - here)
     changes = []
-    for i in windows:
-        response, part = start.responses[i], start.parts[i]
+    for i, start in starts.items():
+        response, part = start.response, start.misfit
         if unknown.simulated:
-            substeps, part = start.for_slope(i)
-            response = problem.respond(moved, i, substeps)
+            response, part = problem.respond(moved, i, start.substeps), start.rough
         elif j == problem.layout.releases[i].lag:
             response = Response(
                 response.displacement - step * response.velocity,

@@ -13,9 +13,6 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
-_LITTLE = 0.1
-"""Share of a misfit far above the noise, times the tolerance: a fit that gains less in each of three steps ends."""
-
 _UNDAMPED = 1e-3
 _SINGULAR = 1e-12
 """Least damping, beside which rounding errors of the normal equations are nothing."""
@@ -52,11 +49,6 @@ class _Step:
     predicted: float
     damping: float
 
-    @property
-    def as_predicted(self) -> bool:
-        """Whether the Jacobian predicted the gain well enough to be kept."""
-        return self.gained > _AS_PREDICTED * self.predicted
-
 
 def minimise(
     problem: Problem,
@@ -69,7 +61,7 @@ def minimise(
     goal: float = 0.0,
     damping: float = _UNDAMPED,
 ) -> Minimum:
-    """Lower chi-square from `theta`, until a step gains less than `tolerance`, or three hardly anything far from the noise.
+    """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
     Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
     in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
@@ -80,7 +72,7 @@ def minimise(
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
-    exact, settled, slow, small = begun is None, False, 0, 0
+    exact, settled, slow = begun is None, False, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break
@@ -88,17 +80,17 @@ def minimise(
         if step is None:
             settled = True
             break
-        small = small + 1 if problem.longer > 1.0 and step.gained < _LITTLE * tolerance * cost else 0
-        settled = small > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
+        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
-        if (
-            settled or slow > 1
-        ):  # the Jacobian that predicted so small a step holds at its end, unless damping made it small
+        if settled or slow > 1:
+            # the Jacobian that predicted so small a step holds at its end, unless damping made it small
             exact = exact and step.damping <= _UNDAMPED and settled
             break
-        if step.as_predicted:
-            jacobian, exact = _mended(problem, jacobian, *before, step), False
+        if step.gained > _AS_PREDICTED * step.predicted:
+            moved = theta - before[0]
+            surprise = residual - before[1] - jacobian.change(moved)
+            jacobian, exact = jacobian.mended(moved, problem.sizes(before[0]), surprise), False
         else:
             residual, jacobian = linearise(problem, theta, skip=held)
             exact = True
@@ -157,15 +149,6 @@ def _step(
             return None
         damping = max(damping * 8.0, 1e-7)
     return None
-
-
-def _mended(
-    problem: Problem, jacobian: BlockJacobian, theta: Array, residual: Array, step: _Step
-) -> BlockJacobian:
-    """Return the Jacobian changed as little as agrees with what a step did to the misfit."""
-    moved = step.theta - theta
-    surprise = step.residual - residual - jacobian.change(moved)
-    return jacobian.mended(moved, problem.sizes(theta), surprise)
 
 
 def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:

@@ -31,15 +31,15 @@ _UNDETERMINED = 1e-2
 
 
 def spread_of_releases(
-    windows: tuple[FitWindow, ...], cycles: tuple[CycleSums, ...], free: Mask, scatter: Array, std: Array
+    windows: tuple[FitWindow, ...], cycles: tuple[CycleSums, ...], scatter: Array, std: Array
 ) -> Array:
-    """Return by how much the standard error of each free unknown is raised, 1 at least, (p,).
+    """Return by how much the standard error of each unknown is raised, 1 at least, (p,).
 
     `cycles` are the sums of all `windows`; `scatter` (windows, p, p) is that of the scores, `std` (p,) the errors from the
     misfit. The value of a single release is that of one Gauss-Newton step from the fit of all.
     """
     release = np.array([window.release for window in windows])
-    each = [_alone(cycles, free, scatter, release == one) for one in np.unique(release)]
+    each = [_alone(cycles, scatter, release == one) for one in np.unique(release)]
     if len(each) < 2:
         return np.ones(len(std))
     values, errors = (np.array(parts) for parts in zip(*each, strict=True))
@@ -50,15 +50,14 @@ def spread_of_releases(
     return np.asarray(np.sqrt(np.maximum(square, 1.0)))
 
 
-def _alone(cycles: tuple[CycleSums, ...], free: Mask, scatter: Array, own: Mask) -> tuple[Array, Array]:
-    """Return by how much each free unknown moves where only the windows marked `own` count, and its error there, (p,)."""
-    p = len(free)
+def _alone(cycles: tuple[CycleSums, ...], scatter: Array, own: Mask) -> tuple[Array, Array]:
+    """Return by how much each unknown moves where only the windows marked `own` count, and its error there, (p,)."""
+    p = scatter.shape[1]
     normal, gradient = np.zeros((p, p)), np.zeros(p)
     for one in cycles:
         if own[one.window]:
-            normal[np.ix_(one.places, one.places)] += np.einsum("pak,qak->pq", one.columns, one.columns)
+            normal[np.ix_(one.places, one.places)] += one.products
             gradient[one.places] += np.einsum("pak,ak->p", one.columns, one.residual)
-    normal, gradient = normal[np.ix_(free, free)], gradient[free]
     size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     values, vectors = np.linalg.eigh(normal / np.outer(size, size))
     seen = values > _RANK * values[-1]
@@ -77,26 +76,24 @@ def with_misfit_errors(found: Fit) -> Fit:
 
     The sandwich of normal matrix and scatter of the scores (Huber 1967).
     """
-    free = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
-    cycles = cycle_sums(found)
-    scatter = scatter_of_scores(cycles, free, len(found.windows))
-    if scatter is None:
-        return as_white_misfit(found)
-    inverse = found.covariance[np.ix_(free, free)]
-    density = _density_elsewhere(cycles)
-    beyond = scatter.sum(axis=0) - density * _products(cycles, free)
-    covariance = found.covariance * density
-    covariance[np.ix_(free, free)] += inverse @ beyond @ inverse
-    std = np.sqrt(np.maximum(np.diag(covariance)[free], 0.0))
-    raised = np.ones(len(free))
-    raised[free] = spread_of_releases(found.windows, cycles, free, scatter, std)
-    covariance *= np.outer(raised, raised)
-    return _with_covariance(found, covariance)
-
-
-def as_white_misfit(found: Fit) -> Fit:
-    """Return a fit with the errors that white noise as dense as the misfit around the motion's frequency would leave."""
-    return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
+    inside = [u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)]
+    length = np.sqrt(np.diag(found.linearised[1].normal()))
+    scales = np.divide(1.0, length, out=np.zeros_like(length), where=(length > 0.0) & inside)
+    cycles, free = cycle_sums(found, scales), np.flatnonzero(scales)
+    scatter = scatter_of_scores(cycles, len(free), len(found.windows))
+    if scatter is None:  # white noise as dense as the misfit is all that can be said
+        return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
+    density, beyond = _density_elsewhere(cycles), scatter.sum(axis=0)
+    for one in cycles:
+        beyond[np.ix_(one.places, one.places)] -= density * one.products
+    own = np.ix_(free, free)
+    inverse = found.covariance[own] / np.outer(scales[free], scales[free])
+    covariance = inverse * density + inverse @ beyond @ inverse
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    raised = spread_of_releases(found.windows, cycles, scatter, std)
+    whole = found.covariance * density
+    whole[own] = covariance * np.outer(raised * scales[free], raised * scales[free])
+    return _with_covariance(found, whole)
 
 
 def _with_covariance(found: Fit, covariance: Array) -> Fit:
@@ -116,14 +113,6 @@ def _density_elsewhere(cycles: tuple[CycleSums, ...]) -> float:
     """Return the mean square of what lies elsewhere than at the motion's frequency, in units of the noise; 1 at least."""
     square = sum(one.square - float((one.residual**2).sum()) for one in cycles)
     return max(square / max(sum(one.readings - one.residual.size for one in cycles), 1), 1.0)
-
-
-def _products(cycles: tuple[CycleSums, ...], free: Mask) -> Array:
-    """Return the products of the free unknowns' columns with one another at the motion's frequency."""
-    total = np.zeros((len(free), len(free)))
-    for one in cycles:
-        total[np.ix_(one.places, one.places)] += np.einsum("pak,qak->pq", one.columns, one.columns)
-    return total[np.ix_(free, free)]
 
 
 def misfit_density(found: Fit, around: float | None = None, channel: str = "") -> float:

@@ -7,7 +7,6 @@ import numpy as np
 from identify.arrays import Array
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.problem import Problem
 from identify.model.measured_path import model_force
 from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
@@ -33,7 +32,7 @@ class ModelError:
 def force_misfit(prepared: PreparedDecay, fit: Fit, i: int = 0) -> tuple[Array, Array]:
     """Return the measured restoring force per unit mass along the motion, and what a model leaves of it, (n,)."""
     window, motion = fit.windows[i], prepared.motion
-    values = fit.of_release(i) | Problem(fit.model, fit.windows, fit.frequency).states_at_start(fit.theta, i)
+    values = fit.of_release(i) | fit.problem.states_at_start(fit.theta, i)
     u = motion.displacement + prepared.zero - values.get("displacement_offset", prepared.zero)
     measured = prepared.restoring
     if window.estimates_mass and window.force is not None:

@@ -24,7 +24,6 @@ from identify.preprocessing.noise_colour import (
     UNLIKE,
     Line,
     RestColour,
-    Shape,
     alike,
     best,
     log_uncertainty,
@@ -32,7 +31,7 @@ from identify.preprocessing.noise_colour import (
     with_common_lines,
 )
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.coloured_noise import Component, spectrum
+from identify.signal.coloured_noise import Colour, Component, spectrum
 from identify.signal.spectrum import strongest_lines
 
 _LINES = 4
@@ -67,25 +66,11 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
         seen = {channel: _phasor(fit, i, channel, f, slice(None)) for channel in found}
         if _is_no_motion(fit, i, f, seen) and not all(_dies(fit, i, channel, f) for channel in found):
             clarity = max(abs(size) / _error(window, channel) for channel, size in seen.items())
+            wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
             for channel, size in seen.items():
-                found[channel] = (*found[channel], _line(window, channel, f, abs(size), clarity))
+                power = 0.5 * float(abs(size) / window.sigma[channel]) ** 2
+                found[channel] = (*found[channel], Line(f, wide, power))
     return found
-
-
-def further_lines(fit: Fit, i: int, channel: str) -> tuple[Line, ...]:
-    """Return the lines of one channel's residual in window i that may be hum: off the harmonics, lasting to the end."""
-    window = fit.windows[i]
-    return tuple(
-        _line(window, channel, f, clarity * _error(window, channel), clarity)
-        for f, clarity in _lines(fit, i, channel).items()
-        if not _dies(fit, i, channel, f)
-    )
-
-
-def _line(window: FitWindow, channel: str, f: float, amplitude: float, clarity: float) -> Line:
-    """Return a line (Hz) of an amplitude, SI, that is so clear in the clearest channel, in standard errors."""
-    wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
-    return Line(f, wide, 0.5 * float(amplitude / window.sigma[channel]) ** 2)
 
 
 def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
@@ -182,34 +167,21 @@ _VETO = 8.0
 """Log-likelihood by which a rest may disagree with a colour."""
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelColour:
-    """The colour of one channel's noise in all releases.
+@dataclass(frozen=True)
+class ChannelColour(Colour):
+    """The colour of one channel's noise in all releases, in units of the white part's variance.
 
-    `components` are in units of the white part's variance; `uncertainty` is the standard error of the logarithm of their
-    strength; `white` the standard deviation of the white part of each release's rest, None where none was recorded.
+    `name` is that of its shape, "" where it has lines only; `white` the standard deviation of the white part of each
+    release's rest, None where none was recorded.
     """
 
-    shape: Shape | None
-    strength: float
-    uncertainty: float
-    rate: float
-    lines: tuple[Component, ...]
-    white: tuple[float | None, ...]
-
-    @property
-    def components(self) -> tuple[Component, ...]:
-        """All processes beside the white part."""
-        return (*self.of_strength(self.strength), *self.lines)
-
-    def of_strength(self, strength: float) -> tuple[Component, ...]:
-        """Return the processes without the lines, at another strength."""
-        return () if self.shape is None else self.shape.of_strength(strength, self.rate)
+    name: str = ""
+    white: tuple[float | None, ...] = ()
 
     @property
     def words(self) -> str:
         """What it is, as part of a sentence."""
-        parts = [] if self.shape is None else [f"coloured, {self.shape.name}"]
+        parts = [f"coloured, {self.name}"] if self.name else []
         return ", ".join([*parts, *(f"a line at {line.frequency:.4g} Hz" for line in self.lines)])
 
 
@@ -226,17 +198,13 @@ def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, Chan
 
 
 def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Return the lines along the motion that are noise of their channels, where a rest does not show those of each.
+    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
 
-    There was none, or a converter's steps hide what is less. They are hum in both channels; and in a channel of which the
-    model names a line, the others: of several lines the strongest is a fault.
+    There was none, or a converter's steps hide what is less.
     """
     if all(channel in prepared.rest_colour for channel in prepared.window.channels):
         return {}
-    found = common_lines(fit, i)
-    named = {term.channel for term in fit.model.faults if term.effect.line}
-    own = {c: found.get(c) or further_lines(fit, i, c) for c in prepared.window.channels if c in named}
-    return found | own
+    return common_lines(fit, i)
 
 
 def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
@@ -257,13 +225,12 @@ def _colour(
     if not coloured and not lines:
         return None
     strength = float(STRENGTHS[column]) if coloured else 0.0
+    shape = SHAPES[row]
     white = tuple(white_part(rest.left, row, strength) if rest is not None else None for rest in rests)
     return ChannelColour(
-        SHAPES[row] if coloured else None,
-        strength,
+        (*shape.of_strength(strength, rate), *lines),
         log_uncertainty(table[row]) if coloured else 0.0,
-        rate,
-        lines,
+        shape.name if coloured else "",
         white,
     )
 

@@ -130,14 +130,14 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
     return turned @ theta, turned @ covariance @ turned.T, spread
 
 
-def percent_off(problem: Problem, theta: Array, one: Deviation) -> float:
-    """Return by how much a release is off in % of what its prior is a share of: squared frequency, or mean loss."""
+def percent_off(problem: Problem, one: Deviation, off: float) -> float:
+    """Express what a release is `off` in % of what its prior is a share of: squared frequency, or mean loss."""
     own = problem.windows[one.windows[0]].own_linear
     assert own is not None
     is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
     spring, damper = shares_of(problem.windows[one.windows[0]].varies)
     share, std = (spring, own.stiffness) if is_spring else (damper, own.damping)
-    return 100.0 * share * problem.deviation(theta, one) / std
+    return 100.0 * share * off / std
 
 
 def _with_weight(window: FitWindow, weight: float) -> FitWindow:

@@ -1,7 +1,8 @@
 """The parameter layout: which unknowns a model has on some releases, in which order, and where each is used."""
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,12 +11,11 @@ from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import LinearPart
-from identify.effects.sensor_fault import SensorFault
+from identify.free_decay import CHANNELS
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
 from identify.preprocessing.fit_window import FitWindow
 
-_DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _READING = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 NOWHERE = -1
 OWN_STIFFNESS, OWN_DAMPING = "own_stiffness", "own_damping"
@@ -57,19 +57,10 @@ class Cell:
 
 
 @dataclass(frozen=True, eq=False)
-class FaultPlaces:
-    """A sensor's fault, the channel that it sits in, and its unknowns."""
-
-    fault: SensorFault
-    channel: str
-    unknowns: list[int]
-
-
-@dataclass(frozen=True, eq=False)
 class ReleasePlaces:
     """Where the unknowns of one window are: displacement and velocity at its start, internal states, and how it is read.
 
-    `lag` and `gain` are NOWHERE without a pair of channels.
+    `lag` and `gain` are NOWHERE without a pair of channels. `faults` are those of its sensors, each with its unknowns.
     """
 
     start: tuple[int, int]
@@ -77,7 +68,7 @@ class ReleasePlaces:
     lag: int
     gain: int
     offsets: dict[str, int]
-    faults: tuple[FaultPlaces, ...]
+    faults: tuple[tuple[Term, list[int]], ...]
 
 
 @dataclass(frozen=True)
@@ -93,41 +84,6 @@ class Deviation:
     std: float
 
 
-@dataclass(frozen=True, eq=False)
-class ParameterLayout:
-    """The unknowns of a model on some releases, physics first.
-
-    `forces` are the terms that the simulator calls, a row of its table each: `held` (rows, parameters) has the values
-    that are not fitted, `cells` say where unknowns go. `linear` are the places of the built-in forces' strengths, and
-    `force_gain` that of the scale of an external force; NOWHERE where there is none. `deviations` are what single
-    releases have of their own beside a shared strength.
-    """
-
-    unknowns: tuple[Unknown, ...]
-    forces: tuple[Term, ...]
-    linear: tuple[int, ...]
-    held: Array
-    cells: tuple[Cell, ...]
-    force_gain: int
-    releases: tuple[ReleasePlaces, ...]
-    deviations: tuple[Deviation, ...] = ()
-
-
-def lay_out(model: Model, windows: tuple[FitWindow, ...], frequency: float) -> ParameterLayout:
-    """List the unknowns of a model on windows whose motion has an angular `frequency` (rad/s)."""
-    amplitude = max(amplitude_of(window, frequency) for window in windows)
-    builder = _Builder(model, frequency, amplitude, windows[0].unit, len(windows))
-    linear = builder.linear_and_forces()
-    force_gain = NOWHERE
-    if any(window.estimates_mass for window in windows):
-        force_gain = builder.add(nuisance("force_gain"), "1", size=1e-2, low=0.2, high=5.0)
-    releases = tuple(builder.release(i, window) for i, window in enumerate(windows))
-    cells, deviations = builder.cells(), builder.deviations(linear, windows)
-    return ParameterLayout(
-        tuple(builder.unknowns), builder.forces, linear, builder.held, cells, force_gain, releases, deviations
-    )
-
-
 def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...]]:
     """Return the places of the windows of each release, by its number."""
     found: dict[int, tuple[int, ...]] = {}
@@ -136,30 +92,30 @@ def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...
     return found
 
 
-@dataclass(eq=False)
-class _Builder:
-    """Collects the unknowns in their order; `amplitude` and `frequency` give their natural sizes."""
+class ParameterLayout:
+    """The unknowns of a model on windows whose motion has an angular `frequency` (rad/s), physics first.
 
-    model: Model
-    frequency: float
-    amplitude: float
-    unit: str
-    count: int
-    unknowns: list[Unknown] = field(default_factory=list)
+    `forces` are the terms that the simulator calls, a row of its table each: `held` (rows, parameters) has the values
+    that are not fitted, `cells` say where unknowns go. `linear` are the places of the built-in forces' strengths, and
+    `force_gain` that of the scale of an external force; NOWHERE where there is none. `deviations` are what single
+    releases have of their own beside a shared strength. KeyError for a shared parameter that no term has.
+    """
 
-    @cached_property
-    def forces(self) -> tuple[Term, ...]:
-        return tuple(term for term in self.model.forces if term.force.linear_part is None)
+    def __init__(self, model: Model, windows: Sequence[FitWindow], frequency: float) -> None:
+        self.unknowns: list[Unknown] = []
+        self._model, self._frequency = model, frequency
+        self._unit, self._count = windows[0].unit, len(windows)
+        self._amplitude = max(amplitude_of(window, frequency) for window in windows)
+        self.forces = tuple(term for term in model.forces if term.force.linear_part is None)
+        self.linear = self._physics()
+        self.force_gain = NOWHERE
+        if any(window.estimates_mass for window in windows):
+            self.force_gain = self._add(nuisance("force_gain"), "1", size=1e-2, low=0.2, high=5.0)
+        self.releases = tuple(self._release(i, window) for i, window in enumerate(windows))
+        self.held, self.cells = self._table()
+        self.deviations = self._deviations(windows)
 
-    @cached_property
-    def held(self) -> Array:
-        table = np.zeros((len(self.forces), PARAMETERS))
-        for row, term in zip(table, self.forces, strict=True):
-            for name, value in term.held_values.items():
-                row[term.effect.index(name)] = value
-        return table
-
-    def add(
+    def _add(
         self,
         id: ParameterId,
         unit: str,
@@ -175,16 +131,16 @@ class _Builder:
         self.unknowns.append(Unknown(id, unit, low, high, size, window, simulated, moves, deviates))
         return len(self.unknowns) - 1
 
-    def linear_and_forces(self) -> tuple[int, ...]:
+    def _physics(self) -> tuple[int, ...]:
         """Add the parameters of all forces; return the places of the built-in ones' strengths."""
-        w, linear = self.frequency, [NOWHERE] * 3
-        sizes = (w * w, 0.01 * w, 0.01 * w * w * self.amplitude)
-        for term in self.model.forces:
+        w, linear = self._frequency, [NOWHERE] * 3
+        sizes = (w * w, 0.01 * w, 0.01 * w * w * self._amplitude)
+        for term in self._model.forces:
             part = term.force.linear_part
             for parameter in term.free:
-                at = self.add(
+                at = self._add(
                     term.parameter(parameter.name),
-                    in_unit(parameter.unit, self.unit),
+                    in_unit(parameter.unit, self._unit),
                     size=_size_of(parameter) if part is None else sizes[part],
                     low=parameter.low,
                     high=parameter.high,
@@ -193,30 +149,32 @@ class _Builder:
                     linear[part] = at
         return tuple(linear)
 
-    def cells(self) -> tuple[Cell, ...]:
-        """Return where the forces' own and shared parameters go; KeyError for a shared one that no term has."""
+    def _table(self) -> tuple[Array, tuple[Cell, ...]]:
+        """Return the values that are held, (rows, parameters), and where own and shared parameters go."""
         place = {unknown.name: at for at, unknown in enumerate(self.unknowns)}
-        cells = []
+        held, cells = np.zeros((len(self.forces), PARAMETERS)), []
         for row, term in enumerate(self.forces):
+            for name, value in term.held_values.items():
+                held[row, term.effect.index(name)] = value
             for parameter in term.free:
                 name = str(term.parameter(parameter.name))
                 cells.append(Cell(row, term.effect.index(parameter.name), place[name]))
             for column, shared in enumerate(term.force.shared_parameters, start=len(term.effect.parameters)):
                 cells.append(Cell(row, column, place[shared]))
-        return tuple(cells)
+        return held, tuple(cells)
 
-    def release(self, i: int, window: FitWindow) -> ReleasePlaces:
+    def _release(self, i: int, window: FitWindow) -> ReleasePlaces:
         """Add what one window has of its own."""
 
         def own(name: str, unit: str, size: float, low: float = -np.inf, high: float = np.inf) -> int:
             simulated = name in ("displacement", "velocity")
-            id = nuisance(name, i, self.count)
-            return self.add(id, unit, size=size, low=low, high=high, window=i, simulated=simulated)
+            id = nuisance(name, i, self._count)
+            return self._add(id, unit, size=size, low=low, high=high, window=i, simulated=simulated)
 
-        w = self.frequency
+        w = self._frequency
         start = (
-            own("displacement", self.unit, self.amplitude),
-            own("velocity", f"{self.unit}/s", self.amplitude * w),
+            own("displacement", self._unit, self._amplitude),
+            own("velocity", f"{self._unit}/s", self._amplitude * w),
         )
         states = self._states(i, window)
         lag = gain = NOWHERE
@@ -225,13 +183,15 @@ class _Builder:
             gain = own("gain", "1", 1e-2, 0.2, 5.0)
         offsets = {
             c: own(
-                f"{c}_offset", in_unit(_READING[c], self.unit), 1e-2 * self.amplitude * w ** _DERIVATIVE[c]
+                f"{c}_offset",
+                in_unit(_READING[c], self._unit),
+                1e-2 * self._amplitude * w ** CHANNELS.index(c),
             )
             for c in window.channels
         }
         return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
 
-    def deviations(self, linear: tuple[int, ...], windows: tuple[FitWindow, ...]) -> tuple[Deviation, ...]:
+    def _deviations(self, windows: Sequence[FitWindow]) -> tuple[Deviation, ...]:
         """Add by how much spring and damper of each release differ from those of all, where they may."""
         found, groups = [], windows_by_release(windows)
         for number, places in enumerate(groups.values()):
@@ -242,12 +202,12 @@ class _Builder:
                 (LinearPart.STIFFNESS, OWN_STIFFNESS, own.stiffness),
                 (LinearPart.DAMPING, OWN_DAMPING, own.damping),
             ):
-                if linear[part] == NOWHERE or not std > 0.0:
+                if self.linear[part] == NOWHERE or not std > 0.0:
                     continue
-                unit = self.unknowns[linear[part]].unit
+                unit = self.unknowns[self.linear[part]].unit
                 id = nuisance(name, number, len(groups))
-                at = self.add(id, unit, size=std, window=places[0], moves=places, deviates=linear[part])
-                found.append(Deviation(at, linear[part], places, std / float(np.sqrt(own.weight))))
+                at = self._add(id, unit, size=std, window=places[0], moves=places, deviates=self.linear[part])
+                found.append(Deviation(at, self.linear[part], places, std / float(np.sqrt(own.weight))))
         return tuple(found)
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
@@ -257,22 +217,22 @@ class _Builder:
             effect = term.force
             if effect.rates is None or (effect.fading_memory and window.pre_release is not None):
                 continue
-            sizes = effect.state_sizes(self.amplitude, self.frequency)
+            sizes = effect.state_sizes(self._amplitude, self._frequency)
             for j, size in enumerate(sizes[: effect.states]):
-                id, most = term.state(j).of_release(i, self.count), effect.largest_state
-                cells.append(Cell(row, j, self.add(id, "", size=size, low=-most, high=most, window=i)))
+                id, most = term.state(j).of_release(i, self._count), effect.largest_state
+                cells.append(Cell(row, j, self._add(id, "", size=size, low=-most, high=most, window=i)))
         return tuple(cells)
 
-    def _faults(self, i: int, window: FitWindow) -> tuple[FaultPlaces, ...]:
+    def _faults(self, i: int, window: FitWindow) -> tuple[tuple[Term, list[int]], ...]:
         """Add the parameters of the sensors' faults that the channels of a window can show."""
         found = []
-        for term in self.model.faults:
+        for term in self._model.faults:
             if term.fault.corrected_in_every_fit or term.channel not in window.readings:
                 continue
-            reading = in_unit(_READING[term.channel], self.unit)
+            reading = in_unit(_READING[term.channel], self._unit)
             places = [
-                self.add(
-                    term.parameter(parameter.name).of_release(i, self.count),
+                self._add(
+                    term.parameter(parameter.name).of_release(i, self._count),
                     parameter.unit.replace("reading", reading),
                     size=_size_of(parameter),
                     low=parameter.low,
@@ -282,7 +242,7 @@ class _Builder:
                 )
                 for parameter in term.effect.parameters
             ]
-            found.append(FaultPlaces(term.fault, term.channel, places))
+            found.append((term, places))
         return tuple(found)
 
 
@@ -295,15 +255,9 @@ def amplitude_of(window: FitWindow, w: float) -> float:
     """Return the largest displacement that the readings of a window show of a motion of angular frequency w (rad/s)."""
     channel = window.channels[0]
     values = window.readings[channel][window.used[channel]]
-    return float(np.ptp(values)) / 2.0 / w ** _DERIVATIVE[channel] if len(values) else 1.0
+    return float(np.ptp(values)) / 2.0 / w ** CHANNELS.index(channel) if len(values) else 1.0
 
 
 def in_unit(unit: str, length: str) -> str:
     """Return a unit in which "m" stands for the unit of the displacement, with that unit in its place."""
-    if length == "m":
-        return unit
-    out = []
-    for i, letter in enumerate(unit):
-        alone = (i == 0 or not unit[i - 1].isalpha()) and (i + 1 == len(unit) or not unit[i + 1].isalpha())
-        out.append(length if letter == "m" and alone else letter)
-    return "".join(out)
+    return re.sub(r"(?<![^\W\d_])m(?![^\W\d_])", length, unit)

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array, Mask
 from identify.estimate import Estimate
+from identify.fitting.fit import fit
 from identify.fitting.initial_values import initial_values
-from identify.fitting.levenberg_marquardt import minimise, minimise_fully
 from identify.fitting.own_linear import own_springs, percent_off, weighed, with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
@@ -18,11 +17,7 @@ from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_GROWTH = (6.0, 20.0)
-"""Cycles to which the start is fitted before it is fitted to all."""
-
 _DRAWN_IN = (1.0, 0.98, 0.95, 0.9, 0.8)
-_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -88,39 +83,28 @@ def predict_windows(
     angular `frequency` (rad/s). Spring and damper may differ where the windows say so.
     """
     bare = without_own_linear(windows)
-    problem = Problem(model, bare, frequency)
-    theta = np.clip(problem.theta(dict(start) | dict(held)), problem.low, problem.high)
-    still = _still(problem, held)
-    theta = _grown(model, bare, frequency, _bounded(problem, theta), still)
-    theta = minimise_fully(problem, theta, held=still).theta
-    problem, theta = _varied(problem, theta, windows, held)
-    free = int((~_still(problem, held)).sum()) - len(problem.expected)
-    motion, chi_square = _errors(problem, theta, free)
-    off = {problem.unknowns[one.shared].name: percent_off(problem, theta, one) for one in problem.expected}
-    own = problem.within(theta, 0)
-    named = {
-        u.name: float(value) for u, value in zip(problem.unknowns, own, strict=True) if u.deviates == NOWHERE
-    }
-    return Prediction(motion, chi_square, named, off)
-
-
-def _still(problem: Problem, held: Mapping[str, float]) -> Mask:
-    """Return which unknowns are held, (unknowns,): the physics that has values."""
-    return np.array([u.window < 0 and u.name in held for u in problem.unknowns])
-
-
-def _varied(
-    problem: Problem, theta: Array, windows: tuple[FitWindow, ...], held: Mapping[str, float]
-) -> tuple[Problem, Array]:
-    """Return the problem and its unknowns with the spring and damper that the release has of its own, if it may."""
-    known = dict(zip(problem.index, theta.tolist(), strict=True))
-    problem = Problem(problem.model, windows, problem.frequency)
-    theta = problem.theta(known)
-    if problem.expected:
-        for _ in range(_ROUNDS):
-            problem = Problem(problem.model, weighed(problem, theta), problem.frequency)
-            theta = minimise_fully(problem, theta, held=_still(problem, held)).theta
-    return problem, theta
+    begun, still = _bounded(Problem(model, bare, frequency), dict(start) | dict(held), held)
+    found = fit(model, bare, begun, frequency, held=still)
+    own = Problem(model, windows, frequency)
+    if own.expected:
+        again = weighed(own, own.theta(found.point))
+        found = fit(model, again, found.point, frequency, near=True, held=still)
+    off, misfit, seen = {}, [], []
+    for one in found.problem.expected:
+        name = found.unknowns[one.shared].name
+        off[name] = percent_off(found.problem, one, found.point[name] - held[name])
+    for i, window in enumerate(found.windows):
+        used = window.used[window.channels[0]]
+        misfit.append(found.residual(window.channels[0], i)[used])
+        seen.append(window.readings[window.channels[0]][used])
+    left, runs_away = np.concatenate(misfit), not np.isfinite(found.chi_square)
+    physics = found.problem.within(found.theta, 0).tolist()
+    return Prediction(
+        np.inf if runs_away else 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(np.concatenate(seen))),
+        found.reduced,
+        {u.name: value for u, value in zip(found.unknowns, physics, strict=True) if u.deviates == NOWHERE},
+        off,
+    )
 
 
 def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, float]:
@@ -135,42 +119,17 @@ def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, f
     return start
 
 
-def _bounded(problem: Problem, theta: Array) -> Array:
-    """Return the unknowns with the starts drawn in where the motion runs away from where it was measured to begin."""
-    starts = [at for places in problem.layout.releases for at in places.start]
+def _bounded(
+    problem: Problem, start: dict[str, float], held: Mapping[str, float]
+) -> tuple[dict[str, float], frozenset[str]]:
+    """Return values to begin from, by name, and which of them are held: the physics that has values.
+
+    The states at the start are drawn in where the motion runs away from where it was measured to begin.
+    """
+    still = frozenset(u.name for u in problem.unknowns if u.window < 0 and u.name in held)
+    starts = {problem.unknowns[at].name for places in problem.layout.releases for at in places.start}
     for share in _DRAWN_IN:
-        tried = theta.copy()
-        tried[starts] *= share
-        if np.isfinite(problem.residuals(tried)).all():
-            return tried
-    return theta
-
-
-def _grown(
-    model: Model, windows: tuple[FitWindow, ...], frequency: float, theta: Array, still: Mask
-) -> Array:
-    """Return the unknowns with the start fitted to the first cycles, then to more."""
-    longest = max(len(window) for window in windows)
-    for cycles in _GROWTH:
-        samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
-        if samples < longest:
-            short = Problem(model, tuple(w.until(min(samples, len(w))) for w in windows), frequency)
-            theta = minimise(short, theta, steps=10, tolerance=1.0, held=still).theta
-    return theta
-
-
-def _errors(problem: Problem, theta: Array, free: int) -> tuple[float, float]:
-    """Return the misfit of the motion in % of its rms, and the reduced chi-square; `free` unknowns were refitted."""
-    misfit, reading, off = [], [], []
-    for i, window in enumerate(problem.windows):
-        predicted = problem.read(theta, i, problem.respond(theta, i))
-        channel = window.channels[0]
-        used = window.used[channel]
-        misfit.append((window.readings[channel] - predicted[channel])[used])
-        reading.append(window.readings[channel][used])
-        off.append(problem.residual_of(i, predicted))
-    left, seen, noise = (np.concatenate(parts) for parts in (misfit, reading, off))
-    if not np.isfinite(noise).all():
-        return float("inf"), float("inf")
-    motion = 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(seen))
-    return motion, float(noise @ noise) / max(len(noise) - free, 1)
+        tried = {name: share * value if name in starts else value for name, value in start.items()}
+        if np.isfinite(problem.residuals(problem.theta(tried))).all():
+            return tried, still
+    return start, still

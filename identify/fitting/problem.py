@@ -7,7 +7,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.fitting.block_jacobian import BlockPattern
-from identify.fitting.parameter_layout import NOWHERE, Deviation, Unknown, amplitude_of, lay_out
+from identify.fitting.parameter_layout import NOWHERE, Deviation, ParameterLayout, amplitude_of
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
 from identify.preprocessing.fit_window import FitWindow
@@ -58,7 +58,8 @@ class Problem:
         self.windows = windows
         self.frequency = frequency
         self.longer = _FAR if far else _COARSE if coarse else 1.0
-        self.layout = lay_out(model, windows, frequency)
+        self.layout = ParameterLayout(model, windows, frequency)
+        self.unknowns = tuple(self.layout.unknowns)
         self.system = make_system(tuple(term.force for term in self.layout.forces))
         self.low = np.array([u.low for u in self.unknowns])
         self.high = np.array([u.high for u in self.unknowns])
@@ -73,11 +74,6 @@ class Problem:
         self.steps = np.zeros(len(self.unknowns))
         self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
         self._kept: list[list[_Motion]] = [[] for _ in windows]
-
-    @property
-    def unknowns(self) -> tuple[Unknown, ...]:
-        """What is to be found."""
-        return self.layout.unknowns
 
     def theta(self, values: dict[str, float]) -> Array:
         """Return the unknowns, (unknowns,), at values by name; 0 for one without."""
@@ -234,11 +230,9 @@ class Problem:
             if channel == "acceleration" and places.gain != NOWHERE:
                 values = values * theta[places.gain]
             predicted[channel] = values
-        for at in places.faults:
+        for term, at in places.faults:
             with np.errstate(all="ignore"):  # a motion that ran away is inf, and stays so
-                predicted[at.channel] = at.fault.observe(
-                    window.clock, predicted[at.channel], theta[at.unknowns]
-                )
+                predicted[term.channel] = term.fault.observe(window.clock, predicted[term.channel], theta[at])
         for channel, place in places.offsets.items():
             predicted[channel] = predicted[channel] + theta[place]
         return predicted

@@ -7,13 +7,13 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 
 _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
@@ -57,53 +57,49 @@ class RandomWalk:
 
 def walk_beside(found: Fit) -> RandomWalk:
     """Return what a walk of spring and damper explains of what a fit leaves."""
-    problem = Problem(found.model, found.windows, found.frequency)
-    residual, jacobian = linearise(problem, found.theta)
-    columns, of_spring = [], []
-    for kind in ("stiffness", "damping"):
-        columns.append(_responses(problem, found.theta, len(residual), kind))
-        of_spring.append(np.full(columns[-1].shape[1], kind == "stiffness"))
-    free = jacobian.tangent(np.diag(jacobian.normal()) > 0.0).free(np.column_stack([residual, *columns]))
+    problem, (residual, jacobian) = found.problem, found.linearised
+    columns = [_responses(problem, found.theta, kind) for kind in ("stiffness", "damping")]
+    is_spring = np.repeat([True, False], [one.shape[1] for one in columns])
+    free = jacobian.free(np.column_stack([residual, *columns]))
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
-    is_spring = np.concatenate(of_spring)
-    best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1), walk[:, :0]), []
-    for stiffness in _STRENGTHS:
-        for damping in _STRENGTHS:
-            scale = np.where(is_spring, stiffness, damping)
-            if not scale.any():
-                continue
-            gain, explained = explained_by(products * np.outer(scale, scale), along * scale)
-            likelihood.append(gain)
-            gain -= _EACH * np.count_nonzero([stiffness, damping])
-            if gain > best.evidence:
-                left = (square - explained) / max(found.degrees, 1)
-                best = RandomWalk(gain, float(stiffness), float(damping), left, walk * scale)
-    most = max(likelihood)
-    mean = np.mean(np.exp(np.array(likelihood) - most))
-    evidence = most + np.log(0.5 * np.exp(-most) + 0.5 * mean)
-    return replace(best, evidence=float(evidence))
+    likelihood, explained = np.zeros((2, len(_STRENGTHS), len(_STRENGTHS)))
+    for row, stiffness in enumerate(_STRENGTHS):
+        scale = np.where(is_spring, stiffness, _STRENGTHS[:, None])
+        both = products * scale[:, :, None] * scale[:, None, :]
+        likelihood[row], explained[row] = explained_by(both, along * scale)
+    is_there = np.array(_STRENGTHS > 0.0, dtype=float)
+    stated = likelihood - _EACH * (is_there[:, None] + is_there)
+    i, j = np.unravel_index(np.argmax(stated), stated.shape)
+    walks = likelihood.ravel()[1:]
+    mean = np.logaddexp.reduce(walks) - np.log(len(walks))
+    return RandomWalk(
+        float(np.logaddexp(0.0, mean) - np.log(2.0)),
+        float(_STRENGTHS[i]),
+        float(_STRENGTHS[j]),
+        (square - float(explained[i, j])) / max(found.degrees, 1),
+        walk * np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j]) if i or j else walk[:, :0],
+    )
 
 
-def explained_by(products: Array, along: Array) -> tuple[float, float]:
-    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1.
+def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
+    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1, (...,).
 
-    `products` (columns, columns) are those of the columns with one another, `along` (columns,) those with the misfit.
+    `products` (..., columns, columns) are those of the columns with one another, `along` (..., columns) those with the
+    misfit.
     """
-    factor = np.linalg.cholesky(np.eye(len(along)) + products)
-    followed = np.linalg.solve(factor, along)
-    explained = float(followed @ followed)
-    return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
+    factor = np.linalg.cholesky(np.eye(along.shape[-1]) + products)
+    explained = (np.linalg.solve(factor, along[..., None])[..., 0] ** 2).sum(axis=-1)
+    return 0.5 * explained - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1), explained
 
 
-def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Array:
+def _responses(problem: Problem, theta: Array, kind: str) -> Array:
     """Return how the misfit changes with each step of one of the two walks, of one standard deviation, (readings, steps).
 
     A walk has variance 1 after one second; it goes on from window to window of a release, and begins anew with each release.
     """
-    columns: list[Array] = []
+    blocks: list[Array] = []
     times: list[tuple[int, float]] = []
-    first = 0
     for i, window in enumerate(problem.windows):
         cycles = len(window) / window.rate * problem.frequency / (2.0 * np.pi)
         most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
@@ -112,16 +108,11 @@ def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Arra
         motion = problem.respond(theta, i, problem.substeps(theta, i, tangent=True))
         omega = problem.frequency
         force = omega**2 * motion.displacement if kind == "stiffness" else omega * motion.velocity
-        changes = changes_by(
-            problem, theta, i, [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
-        )
-        for change, knot in zip(changes, knots.tolist(), strict=True):
-            column = np.zeros(readings)
-            column[first : first + len(change)] = change
-            columns.append(column)
-            times.append((window.release, knot))
-        first += len(changes[0])
-    return np.column_stack(columns) @ _steps(times)
+        ramps = [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
+        blocks.append(np.column_stack(changes_by(problem, theta, i, ramps)))
+        times += [(window.release, knot) for knot in knots.tolist()]
+    blocks.append(np.zeros((len(problem.expected), 0)))
+    return np.asarray(block_diag(*blocks) @ _steps(times))
 
 
 def _steps(times: list[tuple[int, float]]) -> Array:

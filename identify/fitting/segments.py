@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 
 _LONG_CYCLES = 60.0
@@ -55,17 +55,6 @@ def largest_first(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
     return tuple(sorted(range(len(decays)), key=lambda i: -decays[i].amplitude))
 
 
-def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...], ...]:
-    """Return, for each release, the places that its segments have in `segments_of`."""
-    found: list[tuple[int, ...]] = []
-    first = 0
-    for prepared in decays:
-        last = first + len(segments(prepared))
-        found.append(tuple(range(first, last)))
-        first = last
-    return tuple(found)
-
-
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as segments that cover it without a gap; a short one as it is.
 
@@ -79,7 +68,8 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
         return (prepared,)
     bounds = _bounds(n, cycle, drifting=drifts(prepared))
     share = sum(last - first for first, last in bounds) / n
-    return tuple(_segment(prepared, first, last, share) for first, last in bounds)
+    pieces = (part_of(prepared, slice(first, last)) for first, last in bounds)
+    return tuple(replace(p, window=p.window.with_(segment=True), share=share) for p in pieces)
 
 
 def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
@@ -100,18 +90,26 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
     return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 
 
+def part_of(prepared: PreparedDecay, samples: slice) -> PreparedDecay:
+    """Return some samples of a release, with a start of their own: what was before is known of the first ones only."""
+    window = prepared.window.part(samples)
+    keep = np.arange(len(window)) >= window.lead
+    return replace(
+        prepared,
+        window=window.with_(
+            used={c: mask & keep for c, mask in window.used.items()},
+            pre_release=None if samples.start else window.pre_release,
+        ),
+        motion=prepared.motion.part(samples),
+        lost={c: mask[samples] for c, mask in prepared.lost.items()},
+        rest=None if samples.start else prepared.rest,
+    )
+
+
 def first_cycles(prepared: PreparedDecay, cycles: float) -> PreparedDecay:
     """Return the first cycles of a release, or of a piece of one; as it is where it has no more."""
     samples = int(cycles * 2.0 * np.pi / prepared.frequency * prepared.window.rate)
-    if samples >= len(prepared.window):
-        return prepared
-    kept = slice(samples)
-    return replace(
-        prepared,
-        window=prepared.window.until(samples),
-        motion=prepared.motion.part(kept),
-        lost={c: m[kept] for c, m in prepared.lost.items()},
-    )
+    return prepared if samples >= len(prepared.window) else part_of(prepared, slice(samples))
 
 
 def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
@@ -133,20 +131,6 @@ def _bounds(n: int, cycle: float, *, drifting: bool) -> list[tuple[int, int]]:
         return list(pairwise(np.linspace(0, n, count + 1).astype(int).tolist()))
     edges = np.arange(0.0, n - _SHORTEST_CYCLES * cycle, _LONG_CYCLES * cycle).astype(int).tolist()
     return list(pairwise([*edges, n]))
-
-
-def _segment(prepared: PreparedDecay, first: int, last: int, share: float) -> PreparedDecay:
-    samples = slice(first, last)
-    window = prepared.window.part(samples)
-    used = {c: m & (np.arange(last - first) >= window.lead) for c, m in window.used.items()}
-    return replace(
-        prepared,
-        window=window.with_(used=used, pre_release=window.pre_release if first == 0 else None, segment=True),
-        motion=prepared.motion.part(samples),
-        lost={c: m[samples] for c, m in prepared.lost.items()},
-        rest=prepared.rest if first == 0 else None,
-        share=share,
-    )
 
 
 _POWERS = (1.0, 2.0, 4.0, -1.0)
@@ -176,7 +160,7 @@ def drifts(prepared: PreparedDecay) -> bool:
     left = phase * relative
     left = (left - design @ np.linalg.lstsq(design, left, rcond=1e-10)[0]) * amplitude.max()
     noise = _noise(prepared)
-    by_cycle = 2.0 * noise**2 / _samples_a_cycle(prepared)
+    by_cycle = 2.0 * noise**2 / (2.0 * np.pi / prepared.frequency * prepared.motion.rate)
     strays = float(np.median(np.abs(left))) / _NORMAL
     return bool(strays**2 > by_cycle + (_SHARE_OF_NOISE * noise) ** 2)
 
@@ -199,12 +183,7 @@ def _phase_by_cycle(prepared: PreparedDecay) -> tuple[Array, Array]:
     )
 
 
-def _samples_a_cycle(prepared: PreparedDecay) -> float:
-    return 2.0 * np.pi / prepared.frequency * prepared.motion.rate
-
-
 def _noise(prepared: PreparedDecay) -> float:
     """Return the noise of a reading as displacement: of the channel that knows it best."""
     sigma, w = prepared.window.sigma, prepared.frequency
-    order = {"displacement": 0, "velocity": 1, "acceleration": 2}
-    return min(sigma[channel] / w ** order[channel] for channel in sigma)
+    return min(sigma[channel] / w ** CHANNELS.index(channel) for channel in sigma)

@@ -10,6 +10,7 @@ from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.fit import Fit, fit
+from identify.fitting.parameter_layout import windows_by_release
 from identify.fitting.prediction import Prediction, predict, predict_windows
 from identify.fitting.segments import prepared_of, segments_of
 from identify.formatting import three_figures
@@ -156,11 +157,17 @@ def validate(
     whole = prepared_of(decays)
     if not whole:
         raise NotIdentifiable("There is no release to predict.")
-    _check_units(model, whole)
+    for unit in {decay.window.unit for decay in whole}:
+        wrong = [term.effect.name for term in model.terms if not term.effect.has_meaning_for(unit)]
+        if wrong:
+            raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
     each = [fit_baseline(segments_of(decay), base_model()) for decay in whole]
     usual, basis = _usual(each, prepared_of(fitted_to))
     releases = []
-    for index, decay in enumerate(at_floor(one) for one in each):
+    for index, alone in enumerate(each):
+        # with the noise that the floor has settled, by which a diagnosis of them counts too
+        pairs = zip(alone.decays, alone.fit.windows, strict=True)
+        decay = tuple(replace(piece, window=window) for piece, window in pairs)
         one = Validated(
             index,
             predict(model, values, decay, hold=hold),
@@ -169,22 +176,6 @@ def validate(
         progress(one)
         releases.append(one)
     return Validation(model, tuple(releases), basis, hold)
-
-
-def _check_units(model: Model, decays: tuple[PreparedDecay, ...]) -> None:
-    for unit in {decay.window.unit for decay in decays}:
-        wrong = [term.effect.name for term in model.terms if not term.effect.has_meaning_for(unit)]
-        if wrong:
-            raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
-
-
-def at_floor(found: Baseline) -> tuple[PreparedDecay, ...]:
-    """Return the releases of a baseline, in pieces where they are long, with the noise that its floor has settled.
-
-    It is the noise by which a diagnosis of them counts, so that both state the same chi-square.
-    """
-    pairs = zip(found.decays, found.fit.windows, strict=True)
-    return tuple(replace(decay, window=window) for decay, window in pairs)
 
 
 def _usual(
@@ -233,24 +224,22 @@ class LeftOut:
     motion_percent: float
 
 
-def leave_one_out(found: Fit, releases: Sequence[Sequence[int]] | None = None) -> tuple[LeftOut, ...]:
+def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
     """Fit to all releases but one, hold the physics, refit the nuisances of the one left out; for each in turn.
 
-    `releases` are the windows that belong to each release, where long ones were fitted in segments; else each window
-    is one. Raises NotIdentifiable with a single release.
+    A long release is left out with all of its segments. Raises NotIdentifiable with a single release.
     """
-    groups = [[i] for i in range(len(found.windows))] if releases is None else [list(g) for g in releases]
+    groups = windows_by_release(found.windows).values()
     if len(groups) < 2:
         raise NotIdentifiable("Leaving one release out needs at least two.")
     return tuple(_without(found, index, left) for index, left in enumerate(groups))
 
 
-def _without(found: Fit, index: int, left: list[int]) -> LeftOut:
+def _without(found: Fit, index: int, left: Sequence[int]) -> LeftOut:
     kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
     others = fit(found.model, windows, found.of_windows(kept), found.frequency)
     left_windows = tuple(found.windows[i] for i in left)
-    own = found.of_windows(left)
     physics = {unknown.name: others.point[unknown.name] for unknown in others.unknowns if unknown.window < 0}
-    seen = predict_windows(found.model, physics, left_windows, own, found.frequency)
+    seen = predict_windows(found.model, physics, left_windows, found.of_windows(left), found.frequency)
     return LeftOut(index, seen.chi_square, seen.motion_percent)

@@ -11,7 +11,6 @@ import numpy as np
 from identify.effects.force_effect import ForceEffect
 from identify.fitting.fit import Fit, fit_at
 from identify.fitting.levenberg_marquardt import minimise_fully
-from identify.fitting.problem import Problem
 
 _AGREES = 3.0
 """Standard errors within which a strength is that of the spring."""
@@ -31,7 +30,7 @@ def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
     if pair is None:
         return found
     force, spring = pair
-    problem, theta = Problem(found.model, found.windows, found.frequency), found.theta.copy()
+    problem, theta = found.problem, found.theta.copy()
     held = np.arange(len(theta)) == force
     for _ in range(_ROUNDS):  # the spring hardly moves
         theta[force] = theta[spring]

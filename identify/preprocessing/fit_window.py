@@ -10,9 +10,6 @@ from identify.arrays import Array, Mask
 from identify.free_decay import CHANNELS
 from identify.signal.coloured_noise import Colour, Whitening
 
-_NORMAL = (-1.534, -0.887, -0.489, -0.157, 0.157, 0.489, 0.887, 1.534)
-"""Normal quantiles in the middle of eight equal shares."""
-
 
 @dataclass(frozen=True, eq=False)
 class PreReleaseMotion:
@@ -120,20 +117,6 @@ class FitWindow:
     def _place(self) -> dict[str, slice | Mask]:
         """Where the used readings of each channel are: a slice where nothing is missing between the first and the last."""
         return {channel: _slice_of(mask) for channel, mask in self.used.items()}
-
-    def draw_noise(self, channel: str, random: np.random.Generator, draws: int) -> Array:
-        """Return noise of the used readings of a channel as a fit with this window would see it, (used, draws).
-
-        White, but where the strength of its colour is uncertain: so much stronger or weaker than what is whitened.
-        """
-        used = self.used[channel]
-        if channel not in self.colour:
-            return random.standard_normal((int(used.sum()), draws))
-        colour, parts = self.colour[channel], []
-        for size, share in zip(_NORMAL, np.array_split(np.arange(draws), len(_NORMAL)), strict=True):
-            other = Whitening(colour.stronger(float(np.exp(size * colour.uncertainty))), self.rate, used)
-            parts.append(self._whitening[channel](other.draw(random, len(share)))[used])
-        return np.concatenate(parts, axis=1)
 
     def with_(self, **changes: object) -> Self:
         """Return a copy with some fields replaced."""

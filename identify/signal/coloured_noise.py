@@ -64,9 +64,15 @@ class Colour:
     components: tuple[Component, ...]
     uncertainty: float = 0.0
 
-    def stronger(self, factor: float) -> tuple[Component, ...]:
-        """Return the processes with the strength of those that are no lines changed by a factor."""
-        return tuple(c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components)
+    @property
+    def lines(self) -> tuple[Component, ...]:
+        """The lines among them."""
+        return tuple(c for c in self.components if c.frequency)
+
+    def log_error(self, frequency: Array, rate: float) -> Array:
+        """Return the standard error of the logarithm of the spectrum at frequencies in Hz."""
+        total = spectrum(self.components, frequency, rate)
+        return np.asarray(self.uncertainty * (1.0 - spectrum(self.lines, frequency, rate) / total))
 
     def beside_white(self, variance: float) -> "Colour":
         """Return the same processes beside a white part whose variance has changed by a factor."""
@@ -115,18 +121,6 @@ class Whitening:
         columns = np.ascontiguousarray(values.reshape(len(values), -1), dtype=float)
         out = _innovations(transition, seen, gains, scale, np.ascontiguousarray(self.used), columns)
         return np.asarray(out.reshape(values.shape))
-
-    def draw(self, random: np.random.Generator, draws: int) -> Array:
-        """Return noise with this colour, (n, draws), the white part included."""
-        transition, seen, variance = self._model
-        n, m = len(self.used), len(seen)
-        left = np.sqrt(np.maximum(variance * (1.0 - np.diag(transition @ transition.T)), 0.0))
-        state = np.sqrt(variance)[:, None] * random.standard_normal((m, draws))
-        out = random.standard_normal((n, draws))
-        for i in range(n):
-            out[i] += seen @ state
-            state = transition @ state + left[:, None] * random.standard_normal((m, draws))
-        return out
 
 
 @compiled()

@@ -19,7 +19,7 @@ from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.segments import segments_by_release, segments_of
+from identify.fitting.segments import segments_of
 from identify.fitting.validation import LeftOut, leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
@@ -184,4 +184,4 @@ def diagnose(
     if len(decays) < 2:
         return found, None
     progress("leaving one session out at a time")
-    return found, leave_one_out(found.final, segments_by_release(decays))
+    return found, leave_one_out(found.final)

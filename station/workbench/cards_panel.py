@@ -54,7 +54,10 @@ class CardsPanel:
         self._why.set_visibility(document is not None)
         if document is not None:
             confirmed = confirmed_by(document)
-            reasons = [f"Confirmed on {confirmed}." if confirmed else "", sentence(not_distinguishable(document))]
+            reasons = [
+                f"Confirmed on {confirmed}." if confirmed else "",
+                sentence(not_distinguishable(document)),
+            ]
             faults = [found_in_sensor(finding, advice=True) for finding in document.findings]
             why = (typeset(document.explanation), reasons, faults, document.next_experiment)
             self._reasons.content = part("why", *why)

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from releases import drawn
 
-from identify.effects.library import find_effect
-from identify.fitting.baseline import fit_baseline, with_noise_beside
-from identify.fitting.fit import fit
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.noise_colour import common_lines
-from identify.model.model import Term, base_model
+from identify.model.model import base_model
 from mocks.imperfections import HUM
 
 
@@ -32,13 +30,3 @@ def test_hum_is_seen_beside_a_second_mode_at_a_high_harmonic_too(stiffness):
     for lines in common_lines(found.fit, 0).values():
         assert [line.frequency for line in lines] == [pytest.approx(50.0, abs=0.06)]
         assert lines[0].uncertainty < 0.05  # of a line three times the noise over four seconds
-
-
-def test_noise_behind_an_effect_is_seen_when_the_effect_is_there():
-    _, _, found = base("cubic_stiffness", 0.03, 62700, imperfections=(HUM,), bits=12)
-    term = Term(find_effect("cubic_stiffness"))
-    whole = fit(base_model().plus(term), found.fit.windows, found.fit.point, found.fit.frequency)
-    clearer = with_noise_beside(found, whole)
-    assert all(colour.lines for colour in clearer.floors[0].colours.values())
-    assert len(clearer.floors[0].colours) == 2
-    assert with_noise_beside(clearer, whole) is clearer

@@ -12,8 +12,8 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import (
     UNSTATED_GAIN_UNCERTAINTY,
     CorrectedFault,
-    allowance,
     corrected_faults,
+    unnamed_faults,
 )
 from identify.model.model import Term
 
@@ -140,6 +140,6 @@ def test_two_lost_readings_are_an_accident():
 def test_a_model_that_names_a_fault_owns_up_to_it():
     prepared, _, found = fitted()
     found = with_gain(found, 1.03, 0.001)
-    named = found.model.plus(Term(find_effect("channel_gain")))
-    assert allowance((prepared,), found, found.model)[0] > 0.0
-    assert allowance((prepared,), found, named) == (0, 0)
+    named = replace(found, model=found.model.plus(Term(find_effect("channel_gain"))))
+    assert unnamed_faults((prepared,), found)[0].drop > 0.0
+    assert unnamed_faults((prepared,), named) == ()

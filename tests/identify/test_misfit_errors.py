@@ -72,14 +72,14 @@ def sums_of_noise(seed: int, cycles: int) -> CycleSums:
 
 def test_the_scatter_of_white_noise_is_that_of_least_squares():
     sums = sums_of_noise(1, 400)
-    scatter = scatter_of_scores([sums], np.ones(2, dtype=bool), 1)
+    scatter = scatter_of_scores([sums], 2, 1)
     assert scatter is not None
     expected = 4.0 * np.einsum("pak,qak->pq", sums.columns, sums.columns)
     assert np.diag(scatter[0]) == pytest.approx(np.diag(expected), rel=0.3)
 
 
 def test_too_few_cycles_have_no_scatter():
-    assert scatter_of_scores([sums_of_noise(1, 2)], np.ones(2, dtype=bool), 1) is None
+    assert scatter_of_scores([sums_of_noise(1, 2)], 2, 1) is None
 
 
 def together(other: float) -> dict[str, float]:

@@ -7,7 +7,7 @@ from releases import drawn, ready
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY, RARE, find_effect
-from identify.fitting.parameter_layout import lay_out
+from identify.fitting.parameter_layout import ParameterLayout
 from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate, substeps_for
 from mocks import testbed
@@ -75,7 +75,7 @@ def test_a_joint_holds_no_more_at_the_start_than_it_gives_way_at(name):
     model = base_model().plus(Term(effect, {}))
     sample = draw(None, 0.0, 71039, seconds=3.0, rate=96.0)
     window = ready(sample.rate, sample.displacement, sample.acceleration).window
-    states = [u for u in lay_out(model, (window,), W0).unknowns if u.id.role == "state"]
+    states = [u for u in ParameterLayout(model, (window,), W0).unknowns if u.id.role == "state"]
     assert [(u.low, u.high) for u in states] == [(-effect.largest_state, effect.largest_state)]
     assert effect.states_at_rest(1.0, (20.0, 0.004, 1.0, 1.0, 0.0, 0.0))[0] == 1.0
     assert effect.states_at_rest(-0.001, (20.0, 0.004, 1.0, 1.0, 0.0, 0.0))[0] == pytest.approx(-0.25)

@@ -14,7 +14,7 @@ from identify.fitting.fit import fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.own_linear import centred, with_own_linear
 from identify.fitting.problem import Problem
-from identify.fitting.segments import segments_by_release, segments_of
+from identify.fitting.segments import segments_of
 from identify.fitting.validation import leave_one_out
 from identify.model.model import base_model
 
@@ -109,12 +109,12 @@ def test_the_pieces_of_a_long_release_share_its_spring():
     rig = {"mu_0": 0.02, "seconds": 24.0}
     decays = releases(stiffer=(1.0, 1.004), damped=(0.2, 0.2), amplitudes=(0.02, 0.018), **rig)
     own = of_each(decays)[1]
-    places = segments_by_release(decays)
-    assert [len(group) for group in places] == [2, 2]
+    assert [window.release for window in own.windows] == [0, 0, 1, 1]
     assert own.reduced == pytest.approx(1.0, abs=0.15)
     first, second = (one for one in release_values(own) if one.parameter == "linear_stiffness.k")
     assert second.value.value / first.value.value == pytest.approx(1.004, abs=1e-4)
-    assert own.physics_in(2) == own.physics_in(3) != own.physics_in(0)
+    spring = "linear_stiffness.k"
+    assert own.of_release(2)[spring] == own.of_release(3)[spring] != own.of_release(0)[spring]
     assert own.of_release(3)["linear_stiffness.k"] == pytest.approx(second.value.value)
 
 

@@ -4,7 +4,7 @@ import pytest
 from test_fit import fitted
 
 from identify.effects.library import find_effect
-from identify.fitting.parameter_layout import NOWHERE, in_unit, lay_out
+from identify.fitting.parameter_layout import NOWHERE, ParameterLayout, in_unit
 from identify.model.model import Term, base_model
 
 PHYSICS = ["linear_stiffness.k", "coulomb_friction.mu_0", "viscous_damping.mu_1"]
@@ -12,7 +12,7 @@ OWN = ["displacement", "velocity", "lag", "gain", "displacement_offset", "accele
 
 
 def names(model, *windows):
-    return [unknown.name for unknown in lay_out(model, windows, 25.0).unknowns]
+    return [unknown.name for unknown in ParameterLayout(model, windows, 25.0).unknowns]
 
 
 def test_one_release_needs_no_numbers():
@@ -56,12 +56,12 @@ def test_internal_states_are_unknowns_where_the_motion_before_the_release_does_n
 def test_without_an_acceleration_there_is_neither_lag_nor_gain():
     window = fitted()[0].window
     alone = window.with_(readings={"displacement": window.readings["displacement"]})
-    (places,) = lay_out(base_model(), (alone,), 25.0).releases
+    (places,) = ParameterLayout(base_model(), (alone,), 25.0).releases
     assert (places.lag, places.gain) == (NOWHERE, NOWHERE)
 
 
 def test_a_shared_parameter_is_the_other_effects_unknown():
-    layout = lay_out(
+    layout = ParameterLayout(
         base_model().plus(Term(find_effect("time_varying_stiffness"))), (fitted()[0].window,), 25.0
     )
     shared = layout.cells[-1]
