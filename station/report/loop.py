@@ -70,7 +70,7 @@ def _predicted(document: DiagnosisDocument) -> list[Part]:
     words = confirmed_by(document)
     if words:
         parts.append(Paragraph(sentence(words), label="Confirmed"))
-    whole = [] if found.one_record else [("median", found.usual, found.found)]
+    whole = [] if found.one_record else [("all", found.usual, found.found)]
     each = [(u.part, u, f) for u, f in zip(found.usual.by_part, found.found.by_part, strict=True)]
     rows = tuple(
         (

@@ -115,11 +115,11 @@ def predicted_parts(document: DiagnosisDocument) -> str:
         change = f" to {three_figures(after.motion_percent)}" if found.effects else ""
         parts.append(f"{before.part} {three_figures(before.motion_percent)}{change} %")
     what = "each part of the amplitudes from the rest" if found.one_record else "each release from the others"
-    return f"{what}, error in % of the motion: {', '.join(parts)} ({_medians(found)})"
+    return f"{what}, error in % of the motion: {', '.join(parts)} ({_overall(found)})"
 
 
-def _medians(found: ConfirmationDocument) -> str:
-    """List the errors of phase and envelope: their medians, or those of all but the large amplitudes of one record."""
+def _overall(found: ConfirmationDocument) -> str:
+    """List the errors of phase and envelope, rms: over all, or over all but the large amplitudes of one record."""
     parts = []
     for name, before, after in (
         ("phase", found.usual.phase_percent, found.found.phase_percent),
@@ -127,7 +127,7 @@ def _medians(found: ConfirmationDocument) -> str:
     ):
         change = f" to {three_figures(after)}" if found.effects else ""
         parts.append(f"{name} {three_figures(before)}{change} %")
-    return f"{'of these' if found.one_record else 'median'}: {', '.join(parts)}"
+    return f"{'of these' if found.one_record else 'all'}: {', '.join(parts)}"
 
 
 def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> list[SuspectDocument]:
