@@ -90,13 +90,13 @@ def cut_by_amplitude(curve: DecayCurve) -> tuple[slice, ...]:
 def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
     """Predict each part of the curves from the others by the laws of a fit alone.
 
-    Walks and a law without a name predict nothing: all that laws leave counts as noise, as large at all amplitudes.
+    Walks and a law without a name predict nothing: all that laws leave counts as scatter and drift.
     """
     columns, still = likelihood.columns(found.added), (0,) * len(found.settings)
     noise, strengths = _scatter(likelihood), found.strengths
     for _ in range(_ROUNDS):
         observed = likelihood.laws.observed(columns, strengths)
-        whole = likelihood.fitted(likelihood.products(observed, columns, noise=noise), found.added, still)
+        whole = likelihood.fitted(likelihood.products(observed, columns, scatter=noise), found.added, still)
         strengths = whole.strengths
     parts = parts_of(likelihood)
     predicted = []

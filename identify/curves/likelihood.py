@@ -81,6 +81,7 @@ class Products:
     used: tuple[int, ...]
     noise: tuple[float, ...]
     parts: tuple[Part, ...]
+    scatter: float = 0.0
     made: dict[tuple[int, int], tuple[Array, float]] = field(default_factory=dict)
 
     def __call__(self, channel: int, walk: int) -> tuple[Array, float]:
@@ -102,8 +103,13 @@ class Products:
             for j, (column, varies) in enumerate(of.own):
                 design[:, 1 + laws + m + i * len(of.own) + j] = columns[:, column] * varies
             design[:, -1] = self.observed[i][channel][part]
-            covariance = of.rigs[i].covariance(channel, self.noise, walk)[part, part]
-            factor = cholesky(covariance, lower=True)
+            rig = of.rigs[i]
+            covariance = (
+                rig.drifting(channel, self.scatter)
+                if self.scatter
+                else rig.covariance(channel, self.noise, walk)
+            )
+            factor = cholesky(covariance[part, part], lower=True)
             white = solve_triangular(factor, design, lower=True, check_finite=False)
             start = white[:, :1]  # the start is free
             power = float(np.sum(start**2))
@@ -144,15 +150,14 @@ class CurveLikelihood:
         observed: tuple[Signals, ...],
         columns: Iterable[int],
         parts: Sequence[Part] = (),
-        noise: float = 0.0,
+        scatter: float = 0.0,
     ) -> Products:
         """Return what hypotheses about some columns are made of; on all points, or on some parts.
 
-        The noise is the likeliest, or, above 0, one of that size (m or rad) at all amplitudes.
+        The noise is the likeliest, or, above 0, a `scatter` of the amplitude (m or rad) and a drift beside it.
         """
         parts = tuple(parts) or tuple((i, slice(None)) for i in range(len(self.rigs)))
-        sizes = (0.0, 0.0, 0.0, noise) if noise else self.noise
-        return Products(self, observed, tuple(sorted({*self.base, *columns})), sizes, parts)
+        return Products(self, observed, tuple(sorted({*self.base, *columns})), self.noise, parts, scatter)
 
     def usual(self) -> CurveFit:
         """Fit the base alone."""

@@ -23,6 +23,10 @@ _ALONE = 0.02
 """Share of a window's error that no other window shares, so that the noise can be inverted."""
 
 
+DRIFT = 0.04
+"""Variance of the drift from one point to the next over that of the scatter: slow forces drift too."""
+
+
 @dataclass(frozen=True, eq=False)
 class RigNoise:
     """What a rig does to one curve: `overlap` (n, n) correlates the errors of windows; `frequency` in rad/s."""
@@ -56,6 +60,15 @@ class RigNoise:
         absolute, misfit = noise[-1] / unit, LEAKS[channel] * self.curve.misfit * size / unit
         own = noise[channel] ** 2 + np.outer(absolute, absolute) + np.outer(misfit, misfit)
         return np.asarray(self.overlap * own + walk**2 * self.walks[channel])
+
+    def drifting(self, channel: int, scatter: float) -> Array:
+        """Return the covariance of what laws leave if it scatters by so much (m or rad) and drifts from point to point, (n, n)."""
+        size = self.curve.amplitude
+        unit = size if channel != CENTRE else np.full(len(size), size.max())
+        drift = DRIFT * np.cumsum(unit**-2.0)
+        return np.asarray(
+            scatter**2 * (self.overlap / np.outer(unit, unit) + np.minimum(drift[:, None], drift))
+        )
 
     def nameless(self, grid: Array, shapes: Array) -> tuple[Array, Array, Array]:
         """Return what laws without a name, `shapes` (k, m) over log amplitudes `grid` (k,), make of each channel, (n, m)."""
