@@ -20,7 +20,7 @@ from identify.errors import NotIdentifiable
 from identify.evidence import Evidence, complexity, decide
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS
+from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE
 
 _CHANNELS = {"frequency": "phase", "loss": "envelope"}
 
@@ -62,7 +62,7 @@ def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirma
         evidence = decide({name: one.nats for name, one in suspects.items()}, known)
         likeliest = evidence.names[:MOST_ALIKE]
         tried = {name: hold_out(likelihood, beside.and_last_of(suspects[name].fit)) for name in likeliest}
-        borne = [name for name in likeliest if _bears_out(laws, suspects[name].column, held, tried[name])]
+        borne = [name for name in likeliest if _confirms(laws, suspects[name].column, held, tried[name])]
         named = evidence.verdict == "named"
         if not likeliest or (named and not borne):
             break
@@ -189,16 +189,12 @@ def _corrected(likelihood: CurveLikelihood, before: CurveFit, one: _Suspect) -> 
     return replace(one, nats=one.nats + found.nats - one.fit.nats, fit=found)
 
 
-def _bears_out(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> bool:
-    """Whether what was left out bears a law out: it removes an error that matters, most of one kind, and spoils no other."""
+def _confirms(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> bool:
+    """Whether what was left out confirms a law: it removes an error of prediction that matters, and most of one kind."""
     removed = before.typical("motion") - after.typical("motion")
-    left = {kind: after.typical(kind) / before.typical(kind) for kind in _CHANNELS.values()}
-    return (
-        laws.plausible(column, float(after.strengths[-1]))
-        and removed >= LARGE
-        and min(left.values()) <= LEAVES
-        and max(left.values()) <= SPOILS
-    )
+    left = min(after.typical(kind) / before.typical(kind) for kind in _CHANNELS.values())
+    plausible = laws.plausible(column, float(after.strengths[-1]))
+    return plausible and removed >= LARGE and left <= LEAVES
 
 
 def _explained(before: HeldOut, after: HeldOut) -> str:
