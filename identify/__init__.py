@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from identify.comparison.compare import Comparison, compare
     from identify.curves.laid_over import DecayCurves, decay_curves
     from identify.diagnosis.diagnose import Diagnosis, diagnose, refine
-    from identify.diagnosis.found_laws import found_laws
     from identify.diagnosis.ladder import Ladder, Step, add_effect, first_step, remove_effect
     from identify.diagnosis.suspect import Suspect
     from identify.effects.effect import Effect, Parameter
@@ -67,7 +66,6 @@ __all__ = [
     "diagnose",
     "find_effect",
     "first_step",
-    "found_laws",
     "identify_restoring_force",
     "identify_wavelet",
     "locate_and_align",
@@ -84,7 +82,6 @@ _HOMES = {
     "comparison.compare": ("Comparison", "compare"),
     "curves.laid_over": ("DecayCurves", "decay_curves"),
     "diagnosis.diagnose": ("Diagnosis", "diagnose", "refine"),
-    "diagnosis.found_laws": ("found_laws",),
     "diagnosis.ladder": ("Ladder", "Step", "add_effect", "first_step", "remove_effect"),
     "diagnosis.suspect": ("Suspect",),
     "effects.effect": ("Effect", "Parameter"),

@@ -54,9 +54,6 @@ LARGE = 0.5
 LEAVES = 0.4
 """Share of the error of its frequency or loss, in parts that were left out, that a law may leave to be borne out."""
 
-SPOILS = 1.1
-"""How much larger a law may make the other error."""
-
 NEGLIGIBLE = 0.1 * LARGE
 """Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
 

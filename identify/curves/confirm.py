@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
-from identify.curves.curve_regression import HeldOut
-from identify.curves.curve_search import CurveSearch
+from identify.curves.curve_laws import CurveLaws
+from identify.curves.held_out import HeldOut, hold_out, parts_of
 from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.likelihood import CurveLikelihood, Hypothesis, _Products
+from identify.curves.likelihood import CurveFit, CurveLikelihood, Products
 from identify.effects.effect import Effect, Scales
 from identify.errors import NotIdentifiable
 from identify.evidence import Evidence, complexity, decide
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS
+from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE
 
 _CHANNELS = {"frequency": "phase", "loss": "envelope"}
 
@@ -41,56 +41,54 @@ def confirm_releases(
     found = [(decay, mode) for decay, mode in zip(decays, modes, strict=True) if mode is not None]
     if not found:
         return None
-    search = CurveSearch(
+    laws = CurveLaws.of(
         tuple(decay for decay, _ in found), tuple(mode for _, mode in found), model, known, terms, scales
     )
-    return confirmed(search, places) if len(search.parts) > 1 else None
+    likelihood = CurveLikelihood(laws)
+    return _confirmed(likelihood, places) if len(parts_of(likelihood)) > 1 else None
 
 
-def confirmed(search: CurveSearch, places: tuple[int, ...] = ()) -> Confirmation:
-    """Find what the curves of a search ask for; `places` are those of its releases among all that were given."""
-    columns = tuple(range(len(search.base)))
-    usual, rows = search.settled(columns, search.regression.measured)
-    held = usual
-    likelihood = CurveLikelihood(search)
+def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirmation:
+    """Find what some curves ask for; `places` are those of their releases among all that were given."""
+    laws = likelihood.laws
     taken = [likelihood.usual()]
+    usual = held = hold_out(likelihood, taken[0])
     effects: list[ConfirmedEffect] = []
     asked: list[Evidence] = []
+    beside = taken[0]
     for _ in _CHANNELS:
         suspects = _averaged([(_worth(likelihood, one), _suspects(likelihood, one)) for one in taken])
-        laws = {name: likelihood.regression.laws[one.column].term.effect for name, one in suspects.items()}
-        evidence = decide({name: one.nats for name, one in suspects.items()}, laws)
+        known = {name: laws.laws[one.column].term.effect for name, one in suspects.items()}
+        evidence = decide({name: one.nats for name, one in suspects.items()}, known)
         likeliest = evidence.names[:MOST_ALIKE]
-        tried = {name: search.settled((*columns, suspects[name].column), rows) for name in likeliest}
-        borne = [
-            name for name in likeliest if _bears_out(search, suspects[name].column, held, tried[name][0])
-        ]
+        tried = {name: hold_out(likelihood, beside.and_last_of(suspects[name].fit)) for name in likeliest}
+        borne = [name for name in likeliest if _confirms(laws, suspects[name].column, held, tried[name])]
         named = evidence.verdict == "named"
         if not likeliest or (named and not borne):
             break
         if named:
-            evidence = evidence.led_by(min(borne, key=lambda name: complexity(laws[name])))
-        taken = [suspects[name].hypothesis for name in (evidence.names[:1] if named else likeliest)]
-        column, (after, own) = suspects[evidence.names[0]].column, tried[evidence.names[0]]
+            evidence = evidence.led_by(min(borne, key=lambda name: complexity(known[name])))
+        taken = [suspects[name].fit for name in (evidence.names[:1] if named else likeliest)]
+        column, after = suspects[evidence.names[0]].column, tried[evidence.names[0]]
         evidence = evidence.of(_explained(held, after))
         if any(evidence.explains == one.explains for one in asked):
             break  # a curve of few numbers is not divided between two laws
         if borne:
             asked.append(evidence)
         if named:
-            effects.append(_effect(search, column, held, after, evidence))
-            columns, held, rows = (*columns, column), after, own
+            effects.append(_effect(laws, column, held, after, evidence))
+            held, beside = after, taken[0]
     return Confirmation(
-        search.whole,
+        laws.curves,
         tuple(effects),
         usual,
         held,
-        search.one_record,
+        usual.one_record,
         tuple(asked),
-        tuple(dict.fromkeys(law.name for law in search.regression.laws[len(search.base) :])),
+        tuple(dict.fromkeys(law.name for law in laws.laws[laws.base :])),
         {
             str(law.term.strength): max(float(strength), law.term.effect.strength.low)
-            for law, strength in zip(search.base, held.strengths.shared, strict=False)
+            for law, strength in zip(laws.laws[: laws.base], held.strengths, strict=False)
         },
         places,
     )
@@ -105,11 +103,11 @@ def _mode_of(decay: PreparedDecay) -> IsolatedMode | None:
 
 @dataclass(frozen=True, eq=False)
 class _Suspect:
-    """A law with its evidence (nats) against the model without it, the likeliest of its columns, and the hypothesis."""
+    """A law with its evidence (nats) against the model without it, the likeliest of its columns, and its fit."""
 
     nats: float
     column: int
-    hypothesis: Hypothesis
+    fit: CurveFit
 
 
 def _averaged(several: Sequence[tuple[float, dict[str, _Suspect]]]) -> dict[str, _Suspect]:
@@ -124,14 +122,14 @@ def _averaged(several: Sequence[tuple[float, dict[str, _Suspect]]]) -> dict[str,
     return averaged
 
 
-def _suspects(likelihood: CurveLikelihood, before: Hypothesis) -> dict[str, _Suspect]:
+def _suspects(likelihood: CurveLikelihood, before: CurveFit) -> dict[str, _Suspect]:
     """Return each law that is not in a model with its evidence, averaged over its inner parameters, by name."""
-    laws = likelihood.regression.laws
+    laws = likelihood.laws.laws
     known = {laws[c].name for c in likelihood.columns(before.added)}
     products = likelihood.products(likelihood.observed, range(len(laws)))
-    tried: dict[str, list[tuple[int, Hypothesis]]] = {}
+    tried: dict[str, list[tuple[int, CurveFit]]] = {}
     for column in range(len(likelihood.base), len(laws)):
-        if laws[column].name not in known and likelihood.natural[column] > 0.0:
+        if laws[column].name not in known and likelihood.laws.natural[column] > 0.0:
             found = likelihood.with_law(products, before, column)
             tried.setdefault(laws[column].name, []).append((column, found))
     suspects = {}
@@ -163,19 +161,19 @@ def _price(effect: Effect) -> float:
     return RARE * complexity(effect) + (DRIFTS if effect.of_time else 0.0)
 
 
-def _worth(likelihood: CurveLikelihood, one: Hypothesis) -> float:
-    """Return the evidence for a hypothesis, less the price of what it adds, nats."""
-    return one.nats - sum(_price(likelihood.regression.laws[c].term.effect) for c in one.added.laws)
+def _worth(likelihood: CurveLikelihood, one: CurveFit) -> float:
+    """Return the evidence for a fit, less the price of what it adds, nats."""
+    return one.nats - sum(_price(likelihood.laws.laws[c].term.effect) for c in one.added.laws)
 
 
 def _or_with_another(
-    likelihood: CurveLikelihood, products: _Products, one: _Suspect, weaker: Sequence[_Suspect]
+    likelihood: CurveLikelihood, products: Products, one: _Suspect, weaker: Sequence[_Suspect]
 ) -> _Suspect:
     """Return a suspect with the evidence that it is there, alone or with one of those that are less likely alone."""
-    laws = likelihood.regression.laws
+    laws = likelihood.laws.laws
     pairs = [
-        likelihood.with_law(products, one.hypothesis, other.column).nats
-        - one.hypothesis.nats
+        likelihood.with_law(products, one.fit, other.column).nats
+        - one.fit.nats
         - _price(laws[other.column].term.effect)
         - np.log(1.0 + len(weaker))
         for other in weaker
@@ -183,41 +181,35 @@ def _or_with_another(
     return replace(one, nats=one.nats + float(np.logaddexp.reduce([0.0, *pairs])))
 
 
-def _corrected(likelihood: CurveLikelihood, before: Hypothesis, one: _Suspect) -> _Suspect:
+def _corrected(likelihood: CurveLikelihood, before: CurveFit, one: _Suspect) -> _Suspect:
     """Return a suspect judged on what windows and averaging make of its own motion."""
-    found = likelihood.with_own_corrections(before, one.hypothesis)
-    return (
-        replace(one, nats=one.nats + found.nats - one.hypothesis.nats, hypothesis=found)
-        if found.possible
-        else one
-    )
+    found = likelihood.with_own_corrections(before, one.fit)
+    if not found.possible:
+        return one
+    return replace(one, nats=one.nats + found.nats - one.fit.nats, fit=found)
 
 
-def _bears_out(search: CurveSearch, column: int, before: HeldOut, after: HeldOut) -> bool:
-    """Whether what was left out bears a law out: it removes an error that matters, most of one kind, and spoils no other."""
-    removed = before.mean("motion") - after.mean("motion")
-    left = {kind: after.mean(kind) / before.mean(kind) for kind in _CHANNELS.values()}
-    return (
-        search.plausible(column, after)
-        and removed >= LARGE
-        and min(left.values()) <= LEAVES
-        and max(left.values()) <= SPOILS
-    )
+def _confirms(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> bool:
+    """Whether what was left out confirms a law: it removes an error of prediction that matters, and most of one kind."""
+    removed = before.typical("motion") - after.typical("motion")
+    left = min(after.typical(kind) / before.typical(kind) for kind in _CHANNELS.values())
+    plausible = laws.plausible(column, float(after.strengths[-1]))
+    return plausible and removed >= LARGE and left <= LEAVES
 
 
 def _explained(before: HeldOut, after: HeldOut) -> str:
     """Return whether a law explains the "frequency" or the "loss"."""
-    return max(_CHANNELS, key=lambda what: before.mean(_CHANNELS[what]) - after.mean(_CHANNELS[what]))
+    return max(_CHANNELS, key=lambda what: before.typical(_CHANNELS[what]) - after.typical(_CHANNELS[what]))
 
 
 def _effect(
-    search: CurveSearch, column: int, before: HeldOut, after: HeldOut, evidence: Evidence
+    laws: CurveLaws, column: int, before: HeldOut, after: HeldOut, evidence: Evidence
 ) -> ConfirmedEffect:
-    law = search.regression.laws[column]
+    law = laws.laws[column]
     channel = _CHANNELS[evidence.explains]
     return ConfirmedEffect(
         term=law.term,
-        strength=float(after.strengths.shared[-1]),
+        strength=float(after.strengths[-1]),
         inner=law.inner,
         explains=evidence.explains,
         before=before.typical(channel),

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from identify.curves.curve_regression import HeldOut
 from identify.curves.decay_curve import DecayCurve
+from identify.curves.held_out import HeldOut
 from identify.evidence import Evidence
 from identify.model.model import Term
 

@@ -123,7 +123,7 @@ _MOST_POINTS = 36
 """Points of a curve; the phase's error counts once a step, so that frequency is the surer the longer the steps are."""
 
 _NEIGHBOURS = 9
-_THIRD_DIFFERENCES = 20.0
+THIRD_DIFFERENCES = 20.0
 """Variance of a third difference of independent values, in units of theirs: 1 + 9 + 9 + 1."""
 
 
@@ -195,7 +195,7 @@ def scatter(values: Array) -> Array:
     """Return the standard error of each of some values (n,), by the third differences around it; NaN below four."""
     if len(values) < 4:
         return np.full(len(values), np.nan)
-    square = np.diff(values, 3) ** 2 / _THIRD_DIFFERENCES
+    square = np.diff(values, 3) ** 2 / THIRD_DIFFERENCES
     width = min(_NEIGHBOURS, len(square))
     mean = np.convolve(square, np.ones(width) / width, "valid")
     place = np.clip(np.arange(len(values)) - 1 - width // 2, 0, len(mean) - 1)

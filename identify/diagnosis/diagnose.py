@@ -6,6 +6,7 @@ from functools import cache
 
 from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
+from identify.curves.laid_over import Law
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
 from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide
@@ -115,6 +116,16 @@ class Diagnosis(Summarised):
     def named(self) -> tuple[str, ...]:
         """The effects that the verdict names."""
         return named_by(self.verdict, self.suspects, self.together)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The usual model, the one with what is named, and the rivals of a single name, to be laid over `decay_curves`."""
+        laws = [Law.of("usual model", "usual", self.baseline.fit)]
+        if self.named:
+            laws.append(Law.of(" + ".join(self.named), "named", self.final))
+        rivals = self.suspects[0].rivals if len(self.named) == 1 else ()
+        fits = {suspect.effect.name: suspect.fit for suspect in self.suspects}
+        return (*laws, *(Law.of(name, "rival", fits[name]) for name in rivals if name in fits))
 
     def refine(self, progress: Progress = lambda step, words: None) -> Ladder:
         """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import AliasChoices, Field
 
 from identify.curves.confirmation import Confirmation
-from identify.curves.curve_regression import HeldOut
+from identify.curves.held_out import HeldOut
 from station.results.documents import Number, Part
 
 AMPLITUDES = ("large amplitudes", "middle amplitudes", "small amplitudes")
@@ -26,7 +26,7 @@ class PartErrors(PredictionErrors):
 
 
 class PredictedErrors(PredictionErrors):
-    """The medians over all releases, or the small amplitudes of one record; and each part."""
+    """The rms over all releases, or over all but the largest amplitudes of one record; and each part."""
 
     by_part: list[PartErrors]
 

@@ -1,15 +1,15 @@
 """Curves of sessions with the laws of their diagnosis, made from the records and the document whenever they are drawn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from identify.curves.laid_over import DecayCurves, decay_curves
-from identify.diagnosis.found_laws import laws_of_models
+from identify.curves.laid_over import DecayCurves, Law, Role, decay_curves
 from identify.effects.effect import Effect
 from identify.errors import NotIdentifiable
-from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.models import ModelFile, known_model
+
+MOST_RIVALS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,15 +32,24 @@ def diagnosed_curves(
     """
     if document.fitted is None:
         return None
-    usual = _known(document.fitted, library)
-    named = None if document.final is None else _known(document.final, library)
+    laws = [_law("usual model", "usual", document.fitted, library)]
+    if document.final is not None:
+        known = set(laws[0].model.names)
+        own = _law("", "named", document.final, library)
+        more = [name for name in own.model.names if name not in known]
+        if more:  # models that differ in sensors' faults alone are one law
+            laws.append(replace(own, name=" + ".join(more)))
+    if len(laws) > 1 and len(document.named) == 1:
+        models = {suspect.effect: suspect.model for suspect in document.suspects}
+        laws += [
+            _law(name, "rival", model, library) for name in document.rivals if (model := models.get(name))
+        ]
     try:
-        laws = laws_of_models(decays, usual, named, tuple(document.rivals), library)
-        return NamedCurves(names, decay_curves(decays, laws))
+        return NamedCurves(names, decay_curves(decays, laws[: 2 + MOST_RIVALS]))
     except NotIdentifiable:
         return None
 
 
-def _known(model: ModelFile, library: tuple[Effect, ...]) -> tuple[Model, dict[str, float]]:
+def _law(name: str, role: Role, model: ModelFile, library: tuple[Effect, ...]) -> Law:
     known = known_model(model, "the diagnosis", library)
-    return known.model, known.values
+    return Law.known(name, role, known.model, known.values)

@@ -118,7 +118,7 @@ def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
     found = document.confirmation
     if found is None or found.driven:
         return ()
-    whole = "all but the large amplitudes" if found.one_record else "median"
+    whole = "all but the large amplitudes" if found.one_record else "all, rms"
     each = zip(found.usual.by_part, found.found.by_part, strict=True)
     rows = [(before.part, before, after) for before, after in each] + [(whole, found.usual, found.found)]
     cells = tuple(

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.stats import multivariate_normal
 
 from identify.curves.confirm import confirm_releases
-from identify.curves.curve_search import CurveSearch
+from identify.curves.curve_laws import CurveLaws
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
@@ -96,7 +96,8 @@ def likelihood() -> CurveLikelihood:
     decay = displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01)
     terms = candidate_terms(base_model(), tuple(find_effect(name) for name in NAMES[:4]), decay.window)
     mode = IsolatedMode.of(decay.window)
-    return CurveLikelihood(CurveSearch((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {})))
+    laws = CurveLaws.of((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {}))
+    return CurveLikelihood(laws)
 
 
 @pytest.mark.parametrize("settings", [(0, 0, 0, 0, 0, 0), (3, 2, 0, 0, 1, 2), (2, 0, 4, 3, 0, 0)])
@@ -112,23 +113,23 @@ def test_the_likelihood_is_that_of_one_normal_distribution_of_all_points(
     monkeypatch.setattr("identify.curves.likelihood.FLAT", flat)
     monkeypatch.setattr(likelihood, "noise", noise)
     column = len(likelihood.base)
-    law = Added().and_law(column, 0.03 * float(likelihood.natural[column]))
+    law = Added().and_law(column, 0.03 * float(likelihood.laws.natural[column]))
     products = likelihood.products(likelihood.observed, [column])
     gained = likelihood._nats(products, law, settings) - likelihood._nats(products, Added(), settings)
-    (release,) = likelihood.releases
-    n, channels = len(release.curve), len(likelihood.channels)
+    (rig,), laws = likelihood.rigs, likelihood.laws
+    n, channels = len(rig.curve), len(likelihood.channels)
 
     def dense(added: Added) -> float:
-        scales = [*(flat * likelihood.natural[list(likelihood.base)]), *added.scales]
+        scales = [*(flat * likelihood.laws.natural[list(likelihood.base)]), *added.scales]
         covariance = np.zeros((channels * n, channels * n))
         for channel in likelihood.channels:
             part = slice(channel * n, (channel + 1) * n)
             walk, nameless = SIZES[settings[2 * channel]], SIZES[settings[2 * channel + 1]]
-            own = release.noise(channel, noise, float(walk))
-            shapes = release.nameless[channel]
+            own = rig.covariance(channel, noise, float(walk))
+            shapes = likelihood.shapes[0][channel]
             covariance[part, part] += own + nameless**2 * shapes @ shapes.T
         for scale, c in zip(scales, likelihood.columns(added), strict=True):
-            moved = np.concatenate([release.columns[channel][:, c] for channel in likelihood.channels])
+            moved = np.concatenate([laws.columns[0][channel][:, c] for channel in likelihood.channels])
             covariance += scale**2 * np.outer(moved, moved)
         differences = np.kron(np.eye(channels), np.diff(np.eye(n), axis=0))
         points = differences @ np.concatenate(likelihood.observed[0])

@@ -5,9 +5,11 @@ import pytest
 
 from identify.curves.averaged_law import law_of
 from identify.curves.confirm import confirm_releases
-from identify.curves.curve_regression import CurveRegression, cut_by_amplitude
+from identify.curves.curve_laws import CurveLaws
 from identify.curves.decay_curve import DecayCurve
+from identify.curves.held_out import cut_by_amplitude, hold_out
 from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.force_effect import ForceEffect
@@ -132,12 +134,16 @@ def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat
 def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_two():
     time = np.arange(60.0)
     whole = DecayCurve(time, np.exp(-0.05 * time), 8.0 * time, 0 * time, 0 * time)
-    large, middle, small = cut_by_amplitude(whole)
+    large, middle, small = (whole.part(cut.start, cut.stop) for cut in cut_by_amplitude(whole))
     assert large.amplitude[-1] == middle.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 3), rel=0.03)
     assert middle.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 118 / 3), rel=0.03)
-    assert [len(part) for part in cut_by_amplitude(whole.part(0, 16))] == [6, 6, 6]
-    assert [len(part) for part in cut_by_amplitude(whole.part(0, 15))] == [8, 8]
-    assert [len(part) for part in cut_by_amplitude(whole.part(0, 10))] == [10]
+
+    def lengths(points):
+        return [len(range(points)[cut]) for cut in cut_by_amplitude(whole.part(0, points))]
+
+    assert lengths(16) == [6, 6, 6]
+    assert lengths(15) == [8, 8]
+    assert lengths(10) == [10]
 
 
 @pytest.mark.parametrize(
@@ -176,21 +182,34 @@ def test_what_three_releases_share_predicts_the_one_left_out():
 
 
 def test_strengths_keep_their_bounds():
-    """Loss that falls with the amplitude asks for negative drag: it gets none, and friction instead."""
-    time = np.arange(0.0, 40.0)
-    curve = DecayCurve(time, 0.1 - 0.002 * time, 8.0 * time, 0 * time, 0 * time)
-    decay = displacement_only(None, 0.0, 5, amplitude=0.02)
-    terms = [
-        t
-        for t in candidate_terms(base_model(), LIBRARY, decay.window)
-        if t.effect.name == "quadratic_damping"
-    ]
-    grid = np.geomspace(0.01, 0.12, 14)
-    laws = [law_of(t, {}, 8.0, grid, 40.0) for t in (*base_model().forces, *terms)]
-    regression = CurveRegression((curve,), laws, 8.0)
-    found = regression.solve((0, 1, 2, 3), [0], regression.measured)
-    assert found.shared[3] == 0.0
+    """Loss that falls with the amplitude (dry friction) asks for negative drag: it gets none, and friction instead."""
+    decay = displacement_only(None, 0.0, 5, amplitude=0.02, mu_0=0.2, mu_1=0.02)
+    terms = candidate_terms(base_model(), (find_effect("quadratic_damping"),), decay.window)
+    mode = IsolatedMode.of(decay.window)
+    laws = CurveLaws.of((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {}))
+    likelihood = CurveLikelihood(laws)
+    usual = likelihood.usual()
+    drag = Added().and_law(3, float(laws.natural[3]))
+    products = likelihood.products(likelihood.observed, [3])
+    free, _ = likelihood._solved(products, drag, usual.settings, ())
+    found = likelihood.fitted(products, drag, usual.settings)
+    assert min(free[1:]) < 0.0  # else there is nothing to keep
     assert min(found.shared[1:]) >= 0.0
+    assert found.shared[1] == pytest.approx(0.2, rel=0.05)
+
+
+def test_what_is_predicted_of_a_part_was_not_fitted_to_it():
+    """The third release has twice the dry friction: the others do not predict it. Its own spring and damper are refitted."""
+    decays = tuple(
+        displacement_only(None, 0.0, 7 + i, amplitude=0.02, mu_0=mu_0, mu_1=0.1, stiffness=stiffness)
+        for i, (mu_0, stiffness) in enumerate(((0.1, 614.0), (0.1, 614.0), (0.2, 617.0)))
+    )
+    modes = tuple(IsolatedMode.of(one.window) for one in decays)
+    laws = CurveLaws.of(decays, modes, base_model(), {}, (), scales_of(decays[0], {}))
+    likelihood = CurveLikelihood(laws)
+    third = hold_out(likelihood, likelihood.usual()).predicted[2]
+    assert third.envelope > 3.0
+    assert third.phase < 1.0  # a spring of its own by half a percent: 8 rad over 8 s of 4 Hz
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
-from identify.curves.curve_regression import HeldOut, MotionError, Strengths
+from identify.curves.held_out import HeldOut, MotionError
 from identify.diagnosis.explain_prediction import explain_unconfirmed
 from identify.effects.library import find_effect
 from identify.evidence import Evidence
@@ -22,7 +22,7 @@ from station.text.diagnosis_text import confirmed_by, predictions, told
 from station.text.layout import show
 
 NAMES = ("first", "second", "third")
-NONE = Strengths((), np.zeros(0), {})
+NONE = np.zeros(0)
 
 
 def held(*errors: tuple[float, float], one_record: bool = False) -> HeldOut:
@@ -83,9 +83,9 @@ def printed(found: DiagnosisDocument) -> str:
 def test_every_release_that_was_left_out_has_its_errors_under_its_name():
     kept = confirmation_document(confirmation(), NAMES)
     assert (kept.one_record, kept.parts, kept.better) == (False, 3, 2)
-    # 3 and 4 % in quadrature; the median of 5, 6 and 10.
+    # 3 and 4 % in quadrature; the rms of 5, 6 and 10.
     assert [one.motion_percent for one in kept.usual.by_part] == pytest.approx([5.0, 6.0, 10.0])
-    assert kept.usual.motion_percent == pytest.approx(6.0)
+    assert kept.usual.motion_percent == pytest.approx(7.3258, abs=1e-4)
     assert [one.part for one in kept.found.by_part] == list(NAMES)
     (effect,) = kept.effects
     assert (effect.name, effect.explains, effect.before_percent, effect.after_percent) == (
@@ -139,13 +139,13 @@ def test_a_document_that_an_older_version_wrote_is_still_read():
 def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     found = document(confirmation())
     assert (
-        confirmed_by(found) == "2 of 3 other releases: error of the prediction 6.00 to 2.00 % of the motion"
+        confirmed_by(found) == "2 of 3 other releases: error of the prediction 7.33 to 5.35 % of the motion"
     )
     (parts,) = predictions(found)
     assert [row[:2] for row in parts.rows[:3]] == [
         ("first", "5.00 to 1.00"), ("second", "6.00 to 9.00"), ("third", "10.0 to 2.00")
     ]  # fmt: skip
-    assert parts.rows[3] == ("median", "6.00 to 2.00", "6.00 to 2.00", "3.00 to 0.00")
+    assert parts.rows[3] == ("all, rms", "7.33 to 5.35", "5.42 to 5.35", "4.93 to 0.00")
     alone = document(confirmation(one_record=True), ("first",))
     assert "2 of 2 parts of the record" in confirmed_by(alone)
     assert confirmed_by(alone).endswith("error of all but the large amplitudes 6.00 to 2.00 % of the motion")
@@ -170,7 +170,7 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     assert confirmed_by(found) == ""
     (parts,) = predictions(found)
     assert [row[:2] for row in parts.rows] == [
-        ("first", "5.00"), ("second", "6.00"), ("third", "10.0"), ("median", "6.00")
+        ("first", "5.00"), ("second", "6.00"), ("third", "10.0"), ("all, rms", "7.33")
     ]  # fmt: skip
 
 
@@ -179,7 +179,7 @@ def test_the_report_has_a_table_of_what_was_predicted():
     section = suspects(SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, left_out={}))
     table = next(p for p in section.parts if p.kind == "table" and p.head[0] == "left out")
     assert table.rows[0] == ("first", "5.00 to 1.00", "4.00 to 1.00", "3.00 to 0.00")
-    assert table.rows[-1][0] == "median"
+    assert table.rows[-1][0] == "all, rms"
     labels = [label for part in section.parts if part.kind == "facts" for label, _ in part.rows]
     assert "confirmed" in labels
 

@@ -1,0 +1,161 @@
+"""Held out: what laws that were fitted to some parts of the curves predict of the others.
+
+With several releases each is left out in turn, and its linear spring and damper alone are refitted. One record is cut in
+ranges of its amplitudes, and each is predicted from the others, nothing refitted.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.curves.curve_laws import Signals
+from identify.curves.decay_curve import THIRD_DIFFERENCES, DecayCurve
+from identify.curves.likelihood import CurveFit, CurveLikelihood, Part, Products
+
+_FEWEST = 5
+"""Points of a part at least."""
+
+_ROUNDS = 2
+"""Times that windows and averaging are corrected for by the laws as fitted."""
+
+_TURNED = 2.0
+"""Largest square of an error of the phase, rad^2: what is out of step is no more wrong than by a cycle."""
+
+
+@dataclass(frozen=True)
+class MotionError:
+    """What a prediction leaves of one part: of its envelope, of its phase and of its centre, in % of the motion."""
+
+    envelope: float
+    phase: float
+    centre: float
+
+    @property
+    def motion(self) -> float:
+        """Envelope and phase together, %."""
+        return float(np.hypot(self.envelope, self.phase))
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """What laws of some strengths (columns,) predict: an error for each part that was left out.
+
+    Of `one_record` the errors count of all but the largest amplitudes: these the small ones hardly show.
+    """
+
+    strengths: Array
+    predicted: tuple[MotionError, ...]
+    one_record: bool
+
+    def typical(self, channel: str) -> float:
+        """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
+        counted = self.predicted[1:] if self.one_record else self.predicted
+        return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in counted])))
+
+    def better(self, other: "HeldOut", channel: str) -> int:
+        """Return on how many parts the prediction is better than another's."""
+        pairs = zip(self.predicted, other.predicted, strict=True)
+        return sum(getattr(mine, channel) < getattr(theirs, channel) for mine, theirs in pairs)
+
+
+def parts_of(likelihood: CurveLikelihood) -> tuple[Part, ...]:
+    """Return what is left out in turn: releases, or ranges of the amplitudes of one; one part where it is too short."""
+    curves = likelihood.laws.curves
+    if len(curves) > 1:
+        return tuple((i, slice(None)) for i in range(len(curves)))
+    return tuple((0, cut) for cut in cut_by_amplitude(curves[0]))
+
+
+def cut_by_amplitude(curve: DecayCurve) -> tuple[slice, ...]:
+    """Return the large, middle and small amplitudes of a curve, equal in ratio, one point in common between neighbours.
+
+    Two parts where it is too short for three, the whole where it is too short for two.
+    """
+    size = np.log(curve.amplitude)
+    for parts in (3, 2):
+        if len(curve) <= parts * _FEWEST:
+            continue
+        levels = np.linspace(size.max(), size.min(), parts + 1)[1:-1]
+        edges = [0, *(int(np.argmin(np.abs(size - level))) for level in levels), len(curve) - 1]
+        for i in range(1, parts):
+            edges[i] = max(edges[i], edges[i - 1] + _FEWEST)
+        for i in range(parts - 1, 0, -1):
+            edges[i] = min(edges[i], edges[i + 1] - _FEWEST)
+        return tuple(slice(first, last + 1) for first, last in pairwise(edges))
+    return (slice(None),)
+
+
+def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
+    """Predict each part of the curves from the others by the laws of a fit alone.
+
+    Walks and a law without a name predict nothing: all that laws leave counts as scatter and drift.
+    """
+    columns, still = likelihood.columns(found.added), (0,) * len(found.settings)
+    noise, strengths = _scatter(likelihood), found.strengths
+    for _ in range(_ROUNDS):
+        observed = likelihood.laws.observed(columns, strengths)
+        whole = likelihood.fitted(likelihood.products(observed, columns, scatter=noise), found.added, still)
+        strengths = whole.strengths
+    parts = parts_of(likelihood)
+    predicted = []
+    for left in parts:
+        rest = [part for part in parts if part is not left]
+        others, own = (likelihood.products(observed, columns, some, noise) for some in (rest, [left]))
+        shared = likelihood.fitted(others, found.added, still).shared
+        predicted.append(_error(likelihood, columns, _own(likelihood, own, columns, shared), left, observed))
+    return HeldOut(whole.shared, tuple(predicted), len(likelihood.rigs) == 1)
+
+
+def _scatter(likelihood: CurveLikelihood) -> float:
+    """Return the error of an amplitude (m or rad), by the third differences of the curves; at least a thousandth."""
+    curves = likelihood.laws.curves
+    squares = [np.mean(np.diff(curve.amplitude, 3) ** 2) / THIRD_DIFFERENCES for curve in curves]
+    return float(np.sqrt(np.mean(squares))) + 1e-3 * max(float(curve.amplitude.max()) for curve in curves)
+
+
+def _own(likelihood: CurveLikelihood, products: Products, columns: tuple[int, ...], shared: Array) -> Array:
+    """Refit the linear laws of a release that was left out near the shared ones; all others are held (columns,)."""
+    count = len(likelihood.own)
+    if not count:
+        return shared
+    (release, _) = products.parts[0]
+    first = len(products.used) + likelihood.nameless + release * count
+    own, held = range(first, first + count), [products.used.index(column) for column in columns]
+    normal, aim = np.eye(count), np.zeros(count)
+    for channel in likelihood.channels:
+        one, _ = products(channel, 0)
+        normal += one[np.ix_(own, own)]
+        aim += one[own, -1] - one[np.ix_(own, held)] @ shared
+    strengths = shared.copy()
+    for (column, varies), more in zip(likelihood.own, np.linalg.solve(normal, aim), strict=True):
+        strengths[columns.index(column)] += varies * more
+    return strengths
+
+
+def _error(
+    likelihood: CurveLikelihood,
+    columns: tuple[int, ...],
+    strengths: Array,
+    part: Part,
+    observed: tuple[Signals, ...],
+) -> MotionError:
+    """Return what laws leave of one part, its start left free."""
+    release, points = part
+    curve, at = likelihood.laws.curves[release], list(columns)
+    size, phase, centre = (
+        (law[:, at] @ strengths - seen)[points]
+        for law, seen in zip(likelihood.laws.columns[release], observed[release], strict=True)
+    )
+    power = curve.amplitude[points] ** 2
+    weight = power / np.sum(power)
+    envelope = np.clip(np.expm1(np.clip(size - weight @ size, -3.0, 1.0)), -1.0, 1.0)
+    turned = np.minimum((phase - weight @ phase) ** 2, _TURNED)
+    level = (centre - np.mean(centre)) * curve.amplitude.max()
+    off = np.sqrt(2.0 * np.mean(level**2) / np.mean(power)) if curve.has_centre else 0.0
+    return MotionError(
+        100.0 * float(np.sqrt(weight @ envelope**2)),
+        100.0 * float(np.sqrt(weight @ turned)),
+        100.0 * float(off),
+    )
