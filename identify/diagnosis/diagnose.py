@@ -25,10 +25,9 @@ from identify.diagnosis.releases_differ import (
     shared_where_alike,
     where_releases_differ,
 )
-from identify.diagnosis.search import singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms
+from identify.diagnosis.suspects import candidate_terms, singles
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY

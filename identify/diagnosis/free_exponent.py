@@ -33,7 +33,7 @@ def families(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidat
         scales = scales_of(baseline.decays[0], {})
         terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
         found += try_terms(baseline.decays, baseline.fit, terms, goal=goal)
-    return tuple(sorted(found, key=lambda candidate: candidate.score))
+    return tuple(sorted(found, key=lambda candidate: -candidate.evidence))
 
 
 def from_members(

@@ -159,7 +159,7 @@ def _of_shape(base: Fit, widened: float) -> float:
 def _at_rest(baseline: Baseline, suspects: Sequence[Suspect], one: Hypothesis) -> float:
     """Return what the rest before the releases says of a hypothesis, nats."""
     own = {s.effect.name: s for s in suspects if s.corrected is None and s.effect.name in one.names}
-    return sum(at_rest(baseline.decays, Candidate(s.term, s.fit, 0.0, 0.0, True)) for s in own.values())
+    return sum(at_rest(baseline.decays, s.fit, s.term) for s in own.values())
 
 
 def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str], final: Fit) -> Fit:
@@ -189,7 +189,7 @@ def _swapped(
 
 def _between_the_names(baseline: Baseline, suspects: Sequence[Suspect]) -> list[Hypothesis]:
     """Return the laws of a free exponent that suspects are members of."""
-    tried = tuple(Candidate(s.term, s.fit, s.fit.chi_square, 0.0, True) for s in suspects)
+    tried = tuple(Candidate(s.term, s.fit, 0.0, plausible=True) for s in suspects)
     goal = float(baseline.fit.degrees)
     laws = [law for family in FAMILIES for law in from_members(baseline, family, tried, goal)]
     return [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]

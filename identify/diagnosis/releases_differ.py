@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.diagnosis.ranking import Ranked, rank
-from identify.diagnosis.search import singles
+from identify.diagnosis.ranking import rank
+from identify.diagnosis.suspects import Candidate, singles
 from identify.effects.effect import Effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, refit_at_floor
@@ -38,8 +38,8 @@ def where_releases_differ(baseline: Baseline) -> Baseline:
 
 
 def decided_anew(
-    first: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
-) -> tuple[Baseline, tuple[Ranked, ...]]:
+    first: Baseline, baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> tuple[Baseline, tuple[Candidate, ...]]:
     """Return the baseline and its suspects, all tried again where these say otherwise whether the releases differ.
 
     `first` is the baseline with one spring and damper for all releases.
@@ -50,7 +50,7 @@ def decided_anew(
     return again, rank(again, singles(again, library))
 
 
-def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
+def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Candidate, ...]) -> Baseline:
     """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
 
     Where the best suspect has made the releases differ, they share spring and damper; where it leaves that they do, or is
@@ -59,7 +59,7 @@ def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranke
     top = ranked[0] if ranked and ranked[0].claimed else None
     if top is None:
         return baseline
-    best = top.candidate.fit
+    best = top.fit
     if baseline is not before:
         return before if shared_where_alike(best) is not best else baseline
     if not _may_differ(best):

@@ -18,8 +18,10 @@ from identify.diagnosis.linear_gain import (
     with_fault,
 )
 from identify.effects.effect import Effect, Scales
+from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
-from identify.evidence import price
+from identify.evidence import evidence
+from identify.fitting.baseline import Baseline
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit, fit, fit_at
 from identify.fitting.initial_values import (
@@ -70,13 +72,16 @@ _HARDLY = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One effect in its best variant, added to a model and refitted; `score` is chi-square with twice the price."""
+    """One effect in its best variant, added to a model and refitted, with its evidence (nats) against the model.
+
+    `plausible` is False where another effect is the better name for the same force; `claimed` says that it may be named.
+    """
 
     term: Term
     fit: Fit
-    score: float
-    gain: float
+    evidence: float
     plausible: bool
+    claimed: bool = False
 
     @property
     def name(self) -> str:
@@ -115,6 +120,16 @@ def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) 
                 continue
             terms.append(Term(effect, variant))
     return tuple(terms)
+
+
+def singles(
+    baseline: Baseline,
+    library: tuple[Effect, ...] = LIBRARY,
+    counted: Callable[[int, int], None] = lambda done, whole: None,
+) -> tuple[Candidate, ...]:
+    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done."""
+    terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
+    return try_terms(baseline.decays, baseline.fit, terms, by_gain=True, counted=counted)
 
 
 def try_terms(
@@ -158,9 +173,9 @@ def try_terms(
     tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
-        if candidate.name not in best or candidate.score < best[candidate.name].score:
+        if candidate.name not in best or candidate.evidence > best[candidate.name].evidence:
             best[candidate.name] = candidate
-    return tuple(sorted(best.values(), key=lambda candidate: candidate.score))
+    return tuple(sorted(best.values(), key=lambda candidate: -candidate.evidence))
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,11 +311,14 @@ def _is_inner(unknown: ParameterId, term: Term) -> bool:
 
 def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     """Weigh a refit against the fit without the term."""
-    score = found.chi_square + 2.0 * price(base, found, scales)
+    return Candidate(term, found, evidence(base, found, scales), is_plausible(found, term, scales))
+
+
+def is_plausible(found: Fit, term: Term, scales: Scales) -> bool:
+    """Whether a fit gives a term values with which no other effect is the better name for what it explains."""
     values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
-    plausible = term.effect.plausible(values, at_fault)
-    return Candidate(term, found, score, base.chi_square - found.chi_square, plausible)
+    return term.effect.plausible(values, at_fault)
 
 
 def _promising(

@@ -5,7 +5,6 @@ from typing import Literal
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.fitting.fit import Fit
 from identify.fitting.random_walk import RandomWalk
@@ -44,7 +43,7 @@ class Judgement:
     """
 
     verdict: Verdict
-    ranked: tuple[Ranked, ...]
+    ranked: tuple[Candidate, ...]
     final: Fit
     together: tuple[str, ...] = ()
     shape: NonparametricForce | None = None
