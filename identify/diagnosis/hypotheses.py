@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.free_exponent import from_members
+from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
+from identify.diagnosis.suspects import candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
@@ -102,7 +102,9 @@ def hypotheses_of(
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
     judged = {(), *((suspect.effect.name,) for suspect in suspects)}
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if len(named) == 1 else ()
-    for one in (*_swapped(baseline, suspects, named, final), *_between_the_names(baseline, near)):
+    laws = laws_of_free_exponent(baseline, [suspect.effect.name for suspect in near])
+    between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
+    for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
     weighed = [
@@ -185,14 +187,6 @@ def _swapped(
                 names = tuple(one.name if n == name else n for n in named)
                 found.append(Hypothesis(names, one.fit, 0.0))
     return found
-
-
-def _between_the_names(baseline: Baseline, suspects: Sequence[Suspect]) -> list[Hypothesis]:
-    """Return the laws of a free exponent that suspects are members of."""
-    tried = tuple(Candidate(s.term, s.fit, 0.0, plausible=True) for s in suspects)
-    goal = float(baseline.fit.degrees)
-    laws = [law for family in FAMILIES for law in from_members(baseline, family, tried, goal)]
-    return [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
 
 
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from identify.diagnosis.free_exponent import families
+from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.linear_gain import states_of_term, with_fault
 from identify.diagnosis.ranking import DENIED, at_rest
 from identify.diagnosis.search import Begun, promising_sets
@@ -131,8 +131,10 @@ def _reaching(
     Forces that explain most together, by equation error, come before what goes with the best single candidates, faults of
     sensors among it.
     """
-    laws = (law for law in families(baseline, tried) if law.plausible and baseline.adequate(law.fit))
-    yield from (Several(law.fit, (law.term,)) for law in laws)
+    goal = baseline.highest * baseline.fit.degrees
+    laws = laws_of_free_exponent(baseline, [candidate.name for candidate in tried], goal)
+    reaching = (law for law in laws if law.plausible and baseline.adequate(law.fit))
+    yield from (Several(law.fit, (law.term,)) for law in reaching)
     largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
     scales = scales_of(largest, residual_lines(baseline.fit))
