@@ -183,7 +183,7 @@ def _swapped(
         others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
         if others:
             less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
-            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS]), polished=_SWAPS):
+            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS])):
                 names = tuple(one.name if n == name else n for n in named)
                 found.append(Hypothesis(names, one.fit, 0.0))
     return found

@@ -81,16 +81,9 @@ def probes(
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    motion = largest.motion
-    cycle = int(2.0 * np.pi / largest.frequency * largest.window.rate) + 1  # a stop may be on the other side
-    until = min(max(_EARLY, cycle), len(largest.time)) if early else len(largest.time)
-    along = (largest.time[:until], motion.displacement[:until], motion.velocity[:until], largest.frequency)
-    force = force_along(term, inner_values(term, inner), *along)
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
-        rms = float(np.sqrt(np.mean(force**2)))
-    if not 0.0 < rms < np.inf:
+    strength = strength_of_share(share, largest, term, inner, early=early)
+    if strength is None:
         return []
-    strength = share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
     states = states_of_term(base, term, inner)
     point = base.point | begun | {str(term.strength): strength} | states
     points = [point]
@@ -103,13 +96,33 @@ def probes(
     return [problem.theta(p) for p in points]
 
 
+def strength_of_share(
+    share: float, prepared: PreparedDecay, term: Term, inner: dict[str, float], *, early: bool = False
+) -> float | None:
+    """Return the strength at which the rms force of an effect is a share of the acceleration; None where it runs away."""
+    motion = prepared.motion
+    cycle = (
+        int(2.0 * np.pi / prepared.frequency * prepared.window.rate) + 1
+    )  # a stop may be on the other side
+    until = min(max(_EARLY, cycle), len(prepared.time)) if early else len(prepared.time)
+    along = (prepared.time[:until], motion.displacement[:until], motion.velocity[:until], prepared.frequency)
+    force = force_along(term, inner_values(term, inner), *along)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+        rms = float(np.sqrt(np.mean(force**2)))
+    return (
+        share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
+        if 0.0 < rms < np.inf
+        else None
+    )
+
+
 LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
 
 Starts = tuple[dict[str, float], ...]
 """Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
 
-_PRESENT = 1e-5
+PRESENT = 1e-5
 """Share of the acceleration that the probed force has: it moves the readings by a few units of noise."""
 
 _FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
@@ -154,7 +167,7 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     columns, of = [slope.residual], [-1]
     for place, start in enumerate(starts):
         moved = [
-            problem.residuals(p) for p in probes(decays, base, problem, term, start, _PRESENT, early=True)
+            problem.residuals(p) for p in probes(decays, base, problem, term, start, PRESENT, early=True)
         ]
         if all(np.isfinite(one).all() for one in moved):
             own = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if moved else []

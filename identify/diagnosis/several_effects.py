@@ -34,8 +34,6 @@ _CYCLES = 30.0
 _LOOKED_AT, _BEAM = 6, 3
 """Of the best single candidates so many are looked at, and so many get a second effect beside them."""
 
-_POLISHED = 10
-
 
 @dataclass(frozen=True, eq=False)
 class FewReleases:
@@ -199,7 +197,7 @@ def _beside_the_best(
         if rank > 0 and first.term.is_force:
             terms = tuple(term for term in terms if not term.is_force)
         goal = baseline.highest * first.fit.degrees
-        seconds = try_terms(baseline.decays, first.fit, terms, polished=_POLISHED, goal=goal)
+        seconds = try_terms(baseline.decays, first.fit, terms, goal=goal)
         second = max(
             (c for c in seconds if at_rest(baseline.decays, c.fit, c.term) > DENIED),
             key=lambda c: c.evidence + at_rest(baseline.decays, c.fit, c.term),

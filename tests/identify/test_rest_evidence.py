@@ -15,7 +15,7 @@ from mocks.imperfections import ALIASED_LINE
 def fitted_at(prepared, name, frequency):
     term = Term(find_effect(name), {"channel": "displacement"} if name == "mains_hum" else {})
     base = fit_baseline((prepared,), base_model()).fit
-    found = try_terms((prepared,), base, (term,), polished=1)[0]
+    found = try_terms((prepared,), base, (term,))[0]
     values = found.fit.values | {str(term.parameter("f")): Estimate(frequency, 0.01, "Hz")}
     return replace(found.fit, values=values), term
 
