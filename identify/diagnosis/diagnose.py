@@ -220,10 +220,10 @@ def diagnose(
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
     settled = replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
     suspects = listed_suspects(baseline, judgement, settled)
+    few = too_few_cycles(baseline) and judgement.verdict != "sensor_fault"
+    if few or (judgement.verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
+        judgement = replace(judgement, verdict="not_enough_data")
     verdict = judgement.verdict
-    few = too_few_cycles(baseline) and verdict != "sensor_fault"
-    if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
-        verdict = "not_enough_data"
     findings = tuple(
         f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
     )
@@ -239,7 +239,7 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=judgement.shape,
-        explanation=_why(baseline, verdict, judgement, suspects, findings, settled, harmonics),
+        explanation=_why(baseline, judgement, suspects, findings, settled, harmonics),
         next_experiment=next_experiment(baseline, verdict, suspects, chosen),
         library=library,
         confirmation=judgement.confirmation,
@@ -264,7 +264,6 @@ def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[st
 
 def _why(
     baseline: Baseline,
-    verdict: Verdict,
     judgement: Judgement,
     suspects: tuple[Suspect, ...],
     findings: tuple[CorrectedFault, ...],
@@ -272,19 +271,9 @@ def _why(
     harmonics: HarmonicResidual | None,
 ) -> str:
     """Return why the verdict is what it is, what drifts, what stands at the harmonics, and by how much releases differ."""
-    why = explain(
-        baseline,
-        verdict,
-        suspects,
-        judgement.together,
-        findings,
-        settled,
-        judgement.shape,
-        judgement.confirmation,
-        too_small=judgement.too_small,
-    )
+    why = explain(baseline, judgement, suspects, findings, settled)
     releases = 1 + max(prepared.window.release for prepared in baseline.decays)
-    walk = walk_sentence(judgement.walk, named=verdict == "missing_effect", releases=releases)
+    walk = walk_sentence(judgement.walk, named=judgement.verdict == "missing_effect", releases=releases)
     return " ".join(
         filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )

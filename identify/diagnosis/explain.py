@@ -7,6 +7,7 @@ from identify.diagnosis.explain_prediction import explain_confirmed, explain_dri
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import why_not_enough
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
@@ -46,20 +47,14 @@ FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 def explain(
     baseline: Baseline,
-    verdict: str,
+    judgement: Judgement,
     suspects: tuple[Suspect, ...],
-    together: tuple[str, ...],
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
-    shape: NonparametricForce | None,
-    confirmation: Confirmation | None = None,
-    *,
-    too_small: float = 0.0,
 ) -> str:
-    """Return why the verdict is what it is, with numbers and the alternatives that remain.
-
-    `too_small` is what the first force removes, in % of the motion, where it is sure and too small to be named.
-    """
+    """Return why the verdict is what it is, with numbers and the alternatives that remain."""
+    verdict, together, shape = judgement.verdict, judgement.together, judgement.shape
+    confirmation, too_small = judgement.confirmation, judgement.too_small
     if verdict == "nothing_missing" and too_small:
         small = next(s for s in suspects if s.kind == "physics" and s.plausible)
         return _sure_but_small(baseline, small, too_small)

@@ -73,47 +73,39 @@ def _judged(
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Return what is to be said of a model as it is."""
-    if not ranked or not ranked[0].claimed:
-        if not baseline.adequate(baseline.fit):
-            return by_curves(baseline, ranked, predict(), baseline.fit)
+    """Decide the verdict for a fitted model, without what a sensor's line and faults that every fit corrects say.
+
+    | who reaches the floor | sure floor | guessed floor |
+    |---|---|---|
+    | the model, and nothing is claimed | nothing is missing | the same |
+    | the best claim, with values that make sense | it is named, unless a walk explains as much | `at_a_guess` |
+    | the best claim, with other values | no name | the same |
+    | several effects together | they are named, unless a walk explains as much | not asked: two follow any guess |
+    | none | `by_curves` | the same |
+    """
+    best = ranked[0] if ranked and ranked[0].claimed else None
+    if best is None and baseline.adequate(baseline.fit):
         return Judgement("nothing_missing", ranked, baseline.fit)
-    best = ranked[0]
+    if best is None:
+        return by_curves(baseline, ranked, predict(), baseline.fit)
     if baseline.adequate(best.fit):
         if not best.plausible:
             shape = free_form(baseline, baseline.fit)
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
-        alone = Judgement(verdict_of(best), ranked, best.fit)
-        if not baseline.floor_is_sure:
-            return at_a_guess(baseline, alone, predict())
-        return _unless_it_walks(baseline, alone)
-    return _beyond_one(baseline, ranked, library, predict)
-
-
-def _beyond_one(
-    baseline: Baseline,
-    ranked: tuple[Candidate, ...],
-    library: tuple[Effect, ...],
-    predict: Callable[[], Confirmation | None],
-) -> Judgement:
-    """Judge where no single effect reaches the floor: a law between the names, two or three together, or the curves.
-
-    More than one effect is fitted to chi-square only where the floor is sure: two follow any guess of it.
-    """
+        named = Judgement(verdict_of(best), ranked, best.fit)
+    elif not baseline.floor_is_sure:
+        return by_curves(baseline, ranked, predict(), best.fit)
+    else:
+        found = several_effects(baseline, ranked, library)
+        if not found.terms:
+            return by_curves(baseline, ranked, predict(), found.fit)
+        named = _of_several(baseline, ranked, found)
     if not baseline.floor_is_sure:
-        return by_curves(baseline, ranked, predict(), ranked[0].fit)
-    found = several_effects(baseline, ranked, library)
-    if not found.terms:
-        return by_curves(baseline, ranked, predict(), found.fit)
-    return _unless_it_walks(baseline, _of_several(baseline, ranked, found))
-
-
-def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement whose forces are distinguishable from a random walk; else one without a name."""
-    if may_be_named(baseline, judged):
-        return judged
+        return at_a_guess(baseline, named, predict())
+    if may_be_named(baseline, named):
+        return named
     shape = free_form(baseline, baseline.fit)
-    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
+    return Judgement("unknown_effect", named.ranked, baseline.fit, shape=shape)
 
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
