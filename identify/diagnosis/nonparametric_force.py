@@ -86,11 +86,10 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
         return NonparametricForce(1.0, 1.0, ())
     blocks = _blocks(prepared)
     chosen: list[str] = []
-    constant = np.ones((len(misfit), 1))
-    best = before = _held_out(constant, [], misfit, folds, inside)
+    best = before = _held_out([], misfit, folds, inside)
     while len(chosen) < _MOST_COORDINATES:
         trials = {
-            name: _held_out(constant, [blocks[c] for c in (*chosen, name)], misfit, folds, inside)
+            name: _held_out([blocks[c] for c in (*chosen, name)], misfit, folds, inside)
             for name in blocks
             if name not in chosen
         }
@@ -119,41 +118,34 @@ def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
     return mask
 
 
-def _held_out(
-    constant: Array, blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]
-) -> float:
+def _held_out(blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]) -> float:
     """Return the mean squared misfit on held-out cycles at the best smoothness."""
     results = []
     for stiffness in _STIFFNESSES if blocks else (1.0,):
         total, count = 0.0, 0
-        for fold, mask in zip(folds, inside, strict=True):
-            fitted = _all(folds) & ~fold
-            weights = _penalised(constant, blocks, misfit, fitted, stiffness)
-            columns = np.column_stack([constant, *blocks])
-            total += float(np.sum((misfit - columns @ weights)[mask] ** 2))
+        for fitted, mask in zip(reversed(folds), inside, strict=True):
+            total += float(np.sum((misfit - _smooth(blocks, misfit, fitted, stiffness))[mask] ** 2))
             count += int(mask.sum())
         results.append(total / count)
     return min(results)
 
 
-def _all(folds: list[Mask]) -> Mask:
-    return np.asarray(np.any(folds, axis=0))
+def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
+    """Return a constant and penalised splines through the misfit that is used, (n,) (Eilers and Marx 1996).
 
-
-def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
-    """Penalised splines (Eilers and Marx 1996): second differences of the coefficients of each block are kept small."""
-    columns = np.column_stack([constant, *blocks])[used]
-    normal = columns.T @ columns
-    place = constant.shape[1]
+    Second differences of the coefficients of each block are kept small.
+    """
+    columns = np.column_stack([np.ones(len(misfit)), *blocks])
+    fitted = columns[used]
+    normal, place = fitted.T @ fitted, 1
     for block in blocks:
         m = block.shape[1]
         bend = np.diff(np.eye(m), 2, axis=0)
         size = float(np.trace(normal[place : place + m, place : place + m])) / m
         normal[place : place + m, place : place + m] += size * (stiffness * bend.T @ bend + 1e-8 * np.eye(m))
         place += m
-    return np.asarray(
-        np.linalg.solve(normal + 1e-12 * np.trace(normal) * np.eye(place), columns.T @ misfit[used])
-    )
+    rounding = 1e-12 * np.trace(normal) * np.eye(place)
+    return np.asarray(columns @ np.linalg.solve(normal + rounding, fitted.T @ misfit[used]))
 
 
 def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array, str]]:
@@ -194,9 +186,7 @@ def _shapes(
     ranked = []
     target = misfit - misfit[used].mean()
     for name, (position, _, unit) in _coordinates(prepared).items():
-        constant = np.ones((len(target), 1))
-        weights = _penalised(constant, [blocks[name]], target, used, 1e-2)
-        left = float(np.sum((target - np.column_stack([constant, blocks[name]]) @ weights)[used] ** 2))
+        left = float(np.sum((target - _smooth([blocks[name]], target, used, 1e-2))[used] ** 2))
         order = np.argsort(position[used])
         low, high = position[used][order[[0, -1]]]
         edges = np.linspace(low, high, 41)
