@@ -22,7 +22,7 @@ from identify.diagnosis.experiment import (
     window_of,
 )
 from identify.diagnosis.hypotheses import Hypothesis
-from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.nonparametric_force import coordinates
 from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
@@ -73,11 +73,11 @@ class _Carried:
     shared: list[int]
     factors: Array
 
-    def left(self, target: Array, *, rounds: int) -> float:
+    def left(self, target: Array) -> float:
         """Return the misfit that a refit in a few steps keeps of a record (n,), itself given as a misfit."""
         theta, misfit, jacobian = self.centre, self.misfit, self.jacobian
         cost = float(np.sum((misfit - target) ** 2))
-        for _ in range(rounds):
+        for _ in range(_ROUNDS):
             step = _step(jacobian, self.precision, misfit - target, theta - self.centre)
             moved = np.clip(theta + step, self.problem.low, self.problem.high)
             again, slope = linearise(self.problem, moved)
@@ -152,12 +152,11 @@ def expected_evidence(
             continue
         at_fit = next(_readings(own, hypotheses[i], last, np.zeros((1, len(own.shared)))))
         record = own.problem.residual_of(0, at_fit)
-        price = own.left(record, rounds=0) if hypotheses[i].has_law else 0.0
         for j in (j for one, j in pairs if one == i):
             rival = carried[j]
             if rival is not None:
-                nats[i, j, 0] = 0.5 * (rival.left(record, rounds=_ROUNDS) - price)
-    return ExpectedEvidence(experiment, np.clip(nats, 0.0, _BEYOND))
+                nats[i, j, 0] = np.clip(0.5 * rival.left(record), 0.0, _BEYOND)
+    return ExpectedEvidence(experiment, nats)
 
 
 def refitted(
@@ -185,16 +184,12 @@ def refitted(
         own, one = carried[i], hypotheses[i]
         if own is None:
             continue
-        rivals = [(j, carried[j]) for true, j in pairs if true == i]
-        for j, _ in rivals:
-            nats[i, j] = np.nan
+        rivals = {j: rival for true, j in pairs if true == i and (rival := carried[j]) is not None}
         for draw, readings in enumerate(_readings(own, one, last, drawn[i])):
             price = so_far[i].costs_more(own.problem, own.centre, readings) if one.has_law else 0.0
-            for j, rival in rivals:
-                if rival is not None:
-                    kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
-                    nats[i, j, draw] = 0.5 * (kept - price)
-    nats = np.where(np.isfinite(nats), np.clip(nats, 0.0, _BEYOND), nats)
+            for j, rival in rivals.items():
+                kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
+                nats[i, j, draw] = np.clip(0.5 * (kept - price), 0.0, _BEYOND)
     return replace(expected, nats=nats, refitted=done)
 
 
@@ -282,27 +277,14 @@ def _readings(
 
 def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
     """Return the force per unit mass of what acts beside the fit of a hypothesis, along a motion, (n,)."""
-    if one.shape is not None:
-        return _along(one.shape, time, u, v)
+    if one.shape is not None:  # beyond where it was seen it stays as it is
+        first = one.shape.shapes[0]
+        position, factor = coordinates(time, u, v)[first.coordinate]
+        return np.asarray(np.interp(position, first.position, first.force) * factor)
     assert one.walk is not None
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
     return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
-
-
-def _along(shape: NonparametricForce, time: Array, u: Array, v: Array) -> Array:
-    """Return the force per unit mass of a free form along a motion, (n,); beyond where it was seen it stays as it is."""
-    first = shape.shapes[0]
-    places = {
-        "displacement": (u, 1.0),
-        "velocity": (v, 1.0),
-        "friction over displacement": (u, np.sign(v)),
-        "friction over speed": (np.abs(v), np.sign(v)),
-    }
-    at, factor = places.get(
-        first.coordinate, (time, {"(stiffness)": u, "(damping)": v}.get(first.coordinate[5:], np.sign(v)))
-    )
-    return np.asarray(np.interp(at, first.position, first.force) * factor)
 
 
 def _step(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:

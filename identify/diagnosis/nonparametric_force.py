@@ -148,27 +148,36 @@ def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) ->
     return np.asarray(columns @ np.linalg.solve(normal + rounding, fitted.T @ misfit[used]))
 
 
-def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array, str]]:
-    motion = prepared.motion
-    unit = prepared.window.unit
-    sign = np.sign(motion.velocity)
+def coordinates(time: Array, u: Array, v: Array) -> dict[str, tuple[Array, Array]]:
+    """Return along a motion the position on each coordinate, and what a curve over it is multiplied by, (n,) each."""
+    sign, one = np.sign(v), np.ones_like(v)
     return {
-        "displacement": (motion.displacement, np.ones_like(sign), unit),
-        "velocity": (motion.velocity, np.ones_like(sign), f"{unit}/s"),
-        "friction over displacement": (motion.displacement, sign, unit),
-        "friction over speed": (np.abs(motion.velocity), sign, f"{unit}/s"),
-        "time (stiffness)": (prepared.time, motion.displacement, "s"),
-        "time (damping)": (prepared.time, motion.velocity, "s"),
-        "time (friction)": (prepared.time, sign, "s"),
+        "displacement": (u, one),
+        "velocity": (v, one),
+        "friction over displacement": (u, sign),
+        "friction over speed": (np.abs(v), sign),
+        "time (stiffness)": (time, u),
+        "time (damping)": (time, v),
+        "time (friction)": (time, sign),
     }
 
 
+def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array]]:
+    return coordinates(prepared.time, prepared.motion.displacement, prepared.motion.velocity)
+
+
+def _unit(coordinate: str, unit: str) -> str:
+    """Return the unit of a coordinate where the displacement has some unit."""
+    if coordinate.startswith("time"):
+        return "s"
+    return unit if "displacement" in coordinate else f"{unit}/s"
+
+
 def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
-    result = {}
-    for name, (position, factor, _) in _coordinates(prepared).items():
-        count = _KNOTS.get(name, _KNOTS["time"])
-        result[name] = _splines(position, count) * factor[:, None]
-    return result
+    return {
+        name: _splines(position, _KNOTS.get(name, _KNOTS["time"])) * factor[:, None]
+        for name, (position, factor) in _coordinates(prepared).items()
+    }
 
 
 def _splines(position: Array, count: int) -> Array:
@@ -185,7 +194,7 @@ def _shapes(
     """Return each coordinate's own regression of the misfit, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()
-    for name, (position, _, unit) in _coordinates(prepared).items():
+    for name, (position, _) in _coordinates(prepared).items():
         left = float(np.sum((target - _smooth([blocks[name]], target, used, 1e-2))[used] ** 2))
         order = np.argsort(position[used])
         low, high = position[used][order[[0, -1]]]
@@ -197,6 +206,7 @@ def _shapes(
         mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
         square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count
         std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
+        unit = _unit(name, prepared.window.unit)
         ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
 
