@@ -7,13 +7,12 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.diagnosis.linear_gain import (
     LINEAR_UP_TO,
-    PRESENT,
     Slope,
     Starts,
     likeliest,
     probes,
     states_of_term,
-    strength_of_share,
+    weak_strength,
     with_fault,
 )
 from identify.effects.effect import Scales
@@ -93,7 +92,7 @@ def begin(
         return sorted((one for one in found if np.isfinite(one.cost)), key=lambda one: one.cost)[:1]
 
     def hardly_there(places: Starts) -> list[Array]:
-        return [p for place in places for p in probes(decays, base, problem, term, place, PRESENT)[:1]]
+        return [p for place in places for p in probes(decays, base, problem, term, place)[:1]]
 
     starts: Starts = term_starts(term, scales)
     likely: Starts = ()
@@ -162,7 +161,7 @@ def _promising(
     for rss, inner in ranked[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
-            point[strength] = strength_of_share(PRESENT, largest, term, inner) or 0.0
+            point[strength] = weak_strength(largest, term, inner) or 0.0
         if base.reduced < LINEAR_UP_TO:
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(problem.theta(point))

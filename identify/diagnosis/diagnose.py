@@ -48,6 +48,13 @@ from identify.summary import Summarised, Summary
 _MOST_STEPS = 5
 _SHOWN = 6
 _NO_RELEASE: tuple[Verdict, ...] = ("not_enough_data", "driven")
+_STOPS: dict[Verdict, str] = {
+    "nothing_missing": "the noise floor is reached: no effect of the library lowers the error by more than noise explains",
+    "unknown_effect": "something is missing that the library does not name; see the free form",
+    "unconfirmed": "something is left that no effect of the library predicts",
+    "driven": "the motion is driven: a free decay is needed to name a force",
+    "not_enough_data": "the record is too short to tell more effects apart",
+}
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 
 
@@ -148,19 +155,10 @@ class Diagnosis(Summarised):
             self.too_small or not self.baseline.adequate(self.baseline.fit)
         ):
             return "what is left is too little of the motion to be worth a name"
-        if self.verdict == "nothing_missing":
-            return "the noise floor is reached: no effect of the library lowers the error by more than noise explains"
-        if self.verdict == "unknown_effect":
-            return "something is missing that the library does not name; see the free form"
-        if self.verdict == "unconfirmed":
-            return "something is left that no effect of the library predicts"
-        if self.verdict == "driven":
-            return "the motion is driven: a free decay is needed to name a force"
-        if self.verdict == "not_enough_data":
-            return "the record is too short to tell more effects apart"
-        if steps > _MOST_STEPS:
-            return f"{_MOST_STEPS} effects were added; one with more would fit any record"
-        return ""
+        if self.verdict in _STOPS:
+            return _STOPS[self.verdict]
+        many = f"{_MOST_STEPS} effects were added; one with more would fit any record"
+        return many if steps > _MOST_STEPS else ""
 
     def brief(self) -> Summary:
         """Return the verdict, why, the first few suspects, and what each effect does."""

@@ -11,7 +11,6 @@ from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
-from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
@@ -59,7 +58,7 @@ def explain(
         small = next(s for s in suspects if s.kind == "physics" and s.plausible)
         return _sure_but_small(baseline, small, too_small)
     if verdict == "nothing_missing":
-        return _nothing(baseline, suspects, settled)
+        return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
     if verdict == "not_enough_data":
         return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
@@ -100,10 +99,6 @@ def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
         f"it the model leaves {left} % of the motion, a reduced chi-square of "
         f"{three_figures(baseline.reduced(baseline.fit))}."
     )
-
-
-def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
-    return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
 
 
 def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
@@ -206,7 +201,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return f"{_between(top)} {shows}"
     if top.rivals:
         return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}. {shows}"
-    tried = [s for s in others if not _is_corrected(s) and s.fit is not baseline.fit]
+    tried = [s for s in others if s.corrected is None]
     tied = [s for s in tried if baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
         return f"{_beside_the_floor(baseline, top, tied)} {shows}"
@@ -271,7 +266,7 @@ def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
     """
     if not suspects or not suspects[0].claimed:
         return None
-    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.fit is not baseline.fit]
+    tried = [s for s in suspects if s.plausible and s.corrected is None]
     return min(tried, key=lambda s: s.error_after, default=suspects[0])
 
 
@@ -279,7 +274,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """Return how much the model leaves and how much of it named effects explain, each alone."""
     whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
     floor = f"where the floor is {floor_of(baseline)}"
-    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
+    tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
         rest = "what is left has no name"
@@ -343,11 +338,6 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
         f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
         f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
-
-
-def _is_corrected(suspect: Suspect) -> bool:
-    effect = suspect.effect
-    return isinstance(effect, SensorFault) and effect.corrected_in_every_fit
 
 
 def _where(suspect: Suspect) -> str:

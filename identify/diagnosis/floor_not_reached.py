@@ -10,7 +10,7 @@ down to the floor. So what the best force leaves is asked for a line of a sensor
 is seen again in what both leave, and all suspects are tried again.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -198,27 +198,10 @@ def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
     return end
 
 
-@dataclass(frozen=True, eq=False)
-class LineBeside:
-    """A sensor's line, the model as fitted with it, and the suspects of that model."""
-
-    line: Candidate
-    baseline: Baseline
-    ranked: tuple[Candidate, ...]
-
-    def named_with(self, judgement: Judgement) -> Judgement:
-        """Return what was judged beside the line with the line named too."""
-        return replace(
-            judgement,
-            ranked=(judgement.ranked[0], self.line, *judgement.ranked[1:]),
-            together=(*judgement.together, self.line.name),
-        )
-
-
 def line_beside(
     baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
-) -> LineBeside | None:
-    """Return the line that a sensor has beside the best force, with the suspects beside it.
+) -> tuple[Candidate, Baseline, tuple[Candidate, ...]] | None:
+    """Return the line that a sensor has beside the best force, the model as fitted with it, and the suspects beside both.
 
     None where no force is claimed, where one reaches the floor, or where what it leaves holds no line of a sensor.
     """
@@ -235,7 +218,7 @@ def line_beside(
     beside = with_noise_beside(replace(baseline, fit=usual), line.fit)
     names = {entry.name for entry in ranked} - {line.name}
     tried = tuple(effect for effect in library if effect.name in names)
-    return LineBeside(line, beside, rank(beside, singles(beside, tried)))
+    return line, beside, rank(beside, singles(beside, tried))
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | None:

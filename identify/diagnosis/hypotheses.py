@@ -95,7 +95,7 @@ def hypotheses_of(
     recorded = replace(scales, duration=max(map(_recorded, baseline.decays)))
     for suspect in sorted(suspects, key=lambda one: (quiet and not _hides(one), one.fit.chi_square)):
         name = suspect.effect.name
-        if suspect.fit is baseline.fit or name in named:
+        if suspect.corrected is not None or name in named:
             continue
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):

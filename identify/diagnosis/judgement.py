@@ -36,11 +36,13 @@ def judge(
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
-        judged = _judged(beside.baseline, beside.ranked, library, predict)
+        line, with_line, others = beside
+        judged = _judged(with_line, others, library, predict)
         alone = ranked[0].fit
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
-            return beside.named_with(judged)
+            first, *rest = judged.ranked
+            return replace(judged, ranked=(first, line, *rest), together=(*judged.together, line.name))
     judged = _judged(baseline, ranked, library, predict)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
@@ -120,10 +122,6 @@ def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Severa
     return Judgement(verdict_of(first), (first, *rest), found.fit, others)
 
 
-_WORTH_A_MENTION = 6.0
-"""Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
-
-
 def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
     """Return the suspects in order, first what the verdict names, if it names any; `settled` is the fit with that."""
     faults = unnamed_faults(baseline.decays, baseline.fit)
@@ -136,9 +134,7 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
     named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
     first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
     rest = [e for e in entries if e not in first]
-    strong = [s for s in sensors if s.evidence > _WORTH_A_MENTION]
-    weak = [s for s in sensors if s.evidence <= _WORTH_A_MENTION]
-    return (*first, *strong, *rest, *weak)
+    return (*first, *(s for s in sensors if s.claimed), *rest, *(s for s in sensors if not s.claimed))
 
 
 def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, settled: Baseline) -> Suspect:

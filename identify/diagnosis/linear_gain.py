@@ -21,9 +21,6 @@ from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_EARLY = 200
-"""Samples of the motion along which a rough size of a force is taken, or one cycle where that has more."""
-
 
 def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
     """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
@@ -69,19 +66,15 @@ def probes(
     problem: Problem,
     term: Term,
     start: dict[str, float],
-    share: float,
-    *,
-    early: bool = False,
 ) -> list[Array]:
     """Return points near a fit at which a force is weakly present, one for each of its linear freedoms.
 
-    `problem` is that of the model with the term, `start` has its inner parameters by their own names; its rms force is a
-    `share` of the acceleration, along the whole motion or, where a rough size will do, `early` in it.
+    `problem` is that of the model with the term, `start` has its inner parameters by their own names.
     """
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    strength = strength_of_share(share, largest, term, inner, early=early)
+    strength = weak_strength(largest, term, inner)
     if strength is None:
         return []
     states = states_of_term(base, term, inner)
@@ -96,24 +89,14 @@ def probes(
     return [problem.theta(p) for p in points]
 
 
-def strength_of_share(
-    share: float, prepared: PreparedDecay, term: Term, inner: dict[str, float], *, early: bool = False
-) -> float | None:
-    """Return the strength at which the rms force of an effect is a share of the acceleration; None where it runs away."""
+def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) -> float | None:
+    """Return the strength at which an effect is weakly present along a motion; None where it has none, or runs away."""
     motion = prepared.motion
-    cycle = (
-        int(2.0 * np.pi / prepared.frequency * prepared.window.rate) + 1
-    )  # a stop may be on the other side
-    until = min(max(_EARLY, cycle), len(prepared.time)) if early else len(prepared.time)
-    along = (prepared.time[:until], motion.displacement[:until], motion.velocity[:until], prepared.frequency)
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     force = force_along(term, inner_values(term, inner), *along)
     with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
         rms = float(np.sqrt(np.mean(force**2)))
-    return (
-        share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
-        if 0.0 < rms < np.inf
-        else None
-    )
+    return _PRESENT * float(np.sqrt(np.mean(motion.acceleration**2))) / rms if 0.0 < rms < np.inf else None
 
 
 LINEAR_UP_TO = 100.0
@@ -122,8 +105,8 @@ LINEAR_UP_TO = 100.0
 Starts = tuple[dict[str, float], ...]
 """Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
 
-PRESENT = 1e-5
-"""Share of the acceleration that the probed force has: it moves the readings by a few units of noise."""
+_PRESENT = 1e-5
+"""Share of the acceleration that a weakly present force has: it moves the readings by a few units of noise."""
 
 _FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
 """Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
@@ -166,9 +149,7 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
     columns, of = [slope.residual], [-1]
     for place, start in enumerate(starts):
-        moved = [
-            problem.residuals(p) for p in probes(decays, base, problem, term, start, PRESENT, early=True)
-        ]
+        moved = [problem.residuals(p) for p in probes(decays, base, problem, term, start)]
         if all(np.isfinite(one).all() for one in moved):
             own = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if moved else []
             columns += own
