@@ -19,8 +19,8 @@ from identify.diagnosis.ranking import rank
 from identify.diagnosis.releases_differ import (
     ReleaseValue,
     carried,
-    decided_anew,
     how_they_differ,
+    on_second_thought,
     release_values,
     shared_where_alike,
     where_releases_differ,
@@ -292,7 +292,9 @@ def _searched(
     fitted = _worth_a_fit(baseline, library, predict)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     ranked = rank(baseline, tried)
-    baseline, ranked = decided_anew(first, baseline, ranked, fitted)
+    again = on_second_thought(first, baseline, ranked)
+    if again is not baseline:
+        baseline, ranked = again, rank(again, singles(again, fitted))
     progress("judging whether one effect explains it, or several together")
     judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
     return baseline, judgement

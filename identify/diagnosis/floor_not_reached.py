@@ -99,7 +99,7 @@ def by_curves(
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
-        shape = free_form(baseline, ranked[0].fit if best is not baseline.fit else best)
+        shape = free_form(baseline, best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)

@@ -86,8 +86,11 @@ def hypotheses_of(
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
     if named:
-        own = _at_the_same_floor(baseline, suspects[0], named, final)
-        if own is baseline.fit:  # a fault that every fit corrects: the usual model without it was not fitted
+        # `final` is fitted against the noise of its own residual, all other suspects against that of the baseline.
+        own = suspects[0].fit
+        if len(named) > 1:
+            own = fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
+        elif suspects[0].corrected is not None:  # the usual model without it was not fitted
             del found[()]
         found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
@@ -107,31 +110,27 @@ def hypotheses_of(
     for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
-    weighed = [
-        replace(
-            one, log_odds=log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, suspects, one)
-        )
-        for one in found.values()
-    ]
+    weighed, none = (
+        [],
+        float(np.log(max(len(suspects), 1))),
+    )  # to begin with as probable as all suspects together
+    for one in found.values():
+        known = log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
+        weighed.append(replace(one, log_odds=known if one.names else known + none))
     if shape is not None and shape.shapes:
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
-    weighed = [_beside_all(one, len(suspects)) for one in weighed]
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         unknown = [one for one in weighed if one.names not in judged]
         weighed = [
             one if one in unknown else _as_judged(one, weighed, tuple(named), rivals) for one in weighed
         ]
-    elif nameless:
-        farthest = max(nameless) - _apart(len(weighed) - len(nameless))
-        weighed = [
-            replace(one, log_odds=min(one.log_odds, farthest)) if one.has_law else one for one in weighed
-        ]
-    elif quiet:  # nothing is missing
-        usual = next(one.log_odds for one in weighed if not one.names)
-        weighed = [replace(one, log_odds=min(one.log_odds, usual)) for one in weighed]
+    elif nameless or quiet:
+        usual = next(one.log_odds for one in weighed if one.has_law and not one.names)
+        most = max(nameless) - _apart(len(weighed) - len(nameless)) if nameless else usual
+        weighed = [replace(one, log_odds=min(one.log_odds, most)) if one.has_law else one for one in weighed]
     highest = max(one.log_odds for one in weighed)
     weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
@@ -146,29 +145,16 @@ def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -
     return 0.5 * (base.chi_square - one.fit.chi_square) / widened - price(base, one.free, scales, widened)
 
 
-def _beside_all(one: Hypothesis, effects: int) -> Hypothesis:
-    """Return a hypothesis with the odds that it has to begin with: nothing is as probable as all `effects` together."""
-    usual = one.has_law and not one.names
-    return replace(one, log_odds=one.log_odds + float(np.log(max(effects, 1)))) if usual else one
-
-
 def _of_shape(base: Fit, widened: float) -> float:
     """Return the evidence (nats) of a law that leaves nothing but noise, each of its knots at BIC's price."""
     gain = 0.5 * max(base.chi_square - widened * base.degrees, 0.0) / widened
     return gain - 0.5 * _FREE_FORM * float(np.log(max(base.degrees, 2)))
 
 
-def _at_rest(baseline: Baseline, suspects: Sequence[Suspect], one: Hypothesis) -> float:
-    """Return what the rest before the releases says of a hypothesis, nats."""
-    own = {s.effect.name: s for s in suspects if s.corrected is None and s.effect.name in one.names}
-    return sum(at_rest(baseline.decays, s.fit, s.term) for s in own.values())
-
-
-def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str], final: Fit) -> Fit:
-    """Return what is named as it is fitted against the noise of all other suspects: `final` has that of its own residual."""
-    if len(named) == 1:
-        return first.fit
-    return fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
+def _at_rest(baseline: Baseline, found: Fit) -> float:
+    """Return what the rest before the releases says of what a fit has beyond the baseline, nats."""
+    added = (term for term in found.model.terms if term.effect.name not in baseline.fit.model)
+    return sum(at_rest(baseline.decays, found, term) for term in added)
 
 
 def _swapped(

@@ -95,12 +95,10 @@ def _judged(
             shape = free_form(baseline, baseline.fit)
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
         named = Judgement(verdict_of(best), ranked, best.fit)
-    elif not baseline.floor_is_sure:
-        return by_curves(baseline, ranked, predict(), best.fit)
     else:
-        found = several_effects(baseline, ranked, library)
-        if not found.terms:
-            return by_curves(baseline, ranked, predict(), found.fit)
+        found = several_effects(baseline, ranked, library) if baseline.floor_is_sure else None
+        if found is None:
+            return by_curves(baseline, ranked, predict(), best.fit)
         named = _of_several(baseline, ranked, found)
     if not baseline.floor_is_sure:
         return at_a_guess(baseline, named, predict())

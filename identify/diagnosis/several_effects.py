@@ -94,10 +94,10 @@ class FewReleases:
 
 @dataclass(frozen=True, eq=False)
 class Several:
-    """The effects that together reach the floor, none where none do, and the fit with them or what comes closest."""
+    """The effects that together reach the floor, and the fit with them."""
 
     fit: Fit
-    terms: tuple[Term, ...] = ()
+    terms: tuple[Term, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -105,8 +105,10 @@ class Several:
         return tuple(term.effect.name for term in self.terms)
 
 
-def several_effects(baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]) -> Several:
-    """Return what explains some releases together with other effects; `tried` are the single ones as fitted, best first.
+def several_effects(
+    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> Several | None:
+    """Return the effects that together explain some releases, None where none do; `tried` are the single ones, best first.
 
     Where two of many releases mislead (what reaches the floor there does not on all), all are searched.
     """
@@ -117,8 +119,7 @@ def several_effects(baseline: Baseline, tried: tuple[Candidate, ...], library: t
         if baseline.adequate(whole):
             return replace(several, fit=whole)
         misled = True
-    again = _reaching(baseline, tried, library) if misled else iter(())
-    return next(again, Several(tried[0].fit))
+    return next(_reaching(baseline, tried, library), None) if misled else None
 
 
 def _reaching(
