@@ -77,7 +77,7 @@ def begin(
         found = []
         for point in points:
             theta = np.clip(point, problem.low, problem.high)
-            begun = None if slope is None else from_slope(slope, problem, theta, held)
+            begun = None if slope is None else _from_slope(slope, problem, theta, held)
             end = minimise(
                 problem,
                 theta,
@@ -110,7 +110,7 @@ def begin(
     return min(found, key=lambda one: one.cost, default=None)
 
 
-def from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
+def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
     """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
     known_at = slope.problem.index
     take_steps(problem, slope.problem)

@@ -53,7 +53,7 @@ class FewReleases:
         order = sorted(range(len(whole.decays)), key=lambda i: -whole.decays[i].amplitude)
         places = tuple(sorted({order[0], order[-1]}))
         if len(places) == len(whole.decays):
-            return cls.all(whole, tried)
+            return cls(whole, whole, tried, places)
         decays = tuple(first_cycles(whole.decays[i], _CYCLES) for i in places)
         windows = tuple(
             whole.fit.windows[i].until(len(prepared.window))
@@ -70,11 +70,6 @@ class FewReleases:
         goal = baseline.highest * base.degrees
         few = (score_candidate(refitted(c.fit, goal), base, c.term, scales) for c in tried)
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: -c.evidence)), places)
-
-    @classmethod
-    def all(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
-        """Return all releases: nothing is searched on fewer."""
-        return cls(whole, whole, tried, tuple(range(len(whole.decays))))
 
     def on_all(self, found: Fit) -> Fit:
         """Return a model that was found on the few, fitted to all releases."""
@@ -108,18 +103,13 @@ class Several:
 def several_effects(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Several | None:
-    """Return the effects that together explain some releases, None where none do; `tried` are the single ones, best first.
-
-    Where two of many releases mislead (what reaches the floor there does not on all), all are searched.
-    """
+    """Return the effects that together explain some releases, None where none do; `tried` are single ones, best first."""
     few = FewReleases.of(baseline, tried)
-    misled = False
     for several in _reaching(few.baseline, few.tried, library):
         whole = few.on_all(several.fit)
         if baseline.adequate(whole):
             return replace(several, fit=whole)
-        misled = True
-    return next(_reaching(baseline, tried, library), None) if misled else None
+    return None
 
 
 def _reaching(

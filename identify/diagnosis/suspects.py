@@ -5,23 +5,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.diagnosis.beginning import Beginning, begin, from_slope
+from identify.diagnosis.beginning import Beginning, begin
 from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope
 from identify.effects.effect import Effect, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit, fit, fit_at
+from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
-from identify.fitting.problem import Problem
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.spectrum import strongest_lines
 
 _LINES = 3
-_POLISHED = 14
 _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
@@ -100,15 +98,14 @@ def try_terms(
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
-    From each start the term's inner parameters are held at first, so that all others can make room for it. The most
-    promising ones are then fitted freely: the first few to the end, the others until they creep with twice the best of these
-    still below. Where only a `goal` of chi-square counts, a fit that creeps towards it is left. Near the floor fits begin at
-    the places of the largest linear gains, too, if `by_gain`. `counted` is told how many fits are done, and of how many at
-    most.
+    From each start the term's inner parameters are held at first, so that all others can make room for it. Then all are
+    fitted freely: the most promising few to the end, the others until they creep with twice the best of these still below.
+    Where only a `goal` of chi-square counts, a fit that creeps towards it is left. Near the floor fits begin at the places
+    of the largest linear gains, too, if `by_gain`. `counted` is told how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
     near = Slope.of(base) if base.reduced < LINEAR_UP_TO else None
-    whole = len(terms) + min(_POLISHED, len(terms))
+    whole = 2 * len(terms)
     begun: list[Beginning] = []
     for done, term in enumerate(terms, 1):
         beginning = begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
@@ -117,33 +114,20 @@ def try_terms(
     begun.sort(key=lambda beginning: beginning.cost)
     tried: list[Candidate] = []
     enough = goal or 0.0
-    for done, beginning in enumerate(begun[:_POLISHED], len(terms) + 1):
+    for done, beginning in enumerate(begun, len(terms) + 1):
         if goal is None and len(tried) == _LEADERS:
             enough = _BEHIND * min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
-        tried.append(_finish(base, beginning, scales, enough))
+        start = dict(zip((u.name for u in beginning.problem.unknowns), beginning.theta.tolist(), strict=True))
+        close = beginning.cost <= base.chi_square
+        model = beginning.problem.model
+        found = fit(model, base.windows, start, base.frequency, near=close, goal=enough)
+        tried.append(score_candidate(found, base, beginning.term, scales))
         counted(done, whole)
-    tried += [_leave(base, near, beginning, scales) for beginning in begun[_POLISHED:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
         if candidate.name not in best or candidate.evidence > best[candidate.name].evidence:
             best[candidate.name] = candidate
     return tuple(sorted(best.values(), key=lambda candidate: -candidate.evidence))
-
-
-def _finish(base: Fit, begun: Beginning, scales: Scales, goal: float) -> Candidate:
-    start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    near = begun.cost <= base.chi_square
-    found = fit(begun.problem.model, base.windows, start, base.frequency, near=near, goal=goal)
-    return score_candidate(found, base, begun.term, scales)
-
-
-def _leave(base: Fit, near: Slope | None, begun: Beginning, scales: Scales) -> Candidate:
-    problem, slope = begun.problem, None
-    if near is not None:
-        slope = from_slope(near, problem, begun.theta, np.zeros(len(begun.theta), dtype=bool))
-    elif problem.windows is not base.windows:
-        problem = Problem(problem.model, base.windows, base.frequency, coarse=True)
-    return score_candidate(fit_at(problem, begun.theta, slope), base, begun.term, scales)
 
 
 def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
