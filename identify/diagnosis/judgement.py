@@ -6,7 +6,7 @@ Here where the floor is reached or sure; off it in `floor_not_reached`. What eac
 from collections.abc import Callable
 from dataclasses import replace
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import may_be_named, with_walk
 from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.diagnosis.nonparametric_force import free_form
@@ -138,7 +138,8 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
 def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, settled: Baseline) -> Suspect:
     is_final = candidate.fit is judgement.final
     named = judgement.together and (candidate is judgement.ranked[0] or candidate.name in judgement.together)
-    confirmed = _confirmed(judgement.confirmation, candidate.name)
+    told = judgement.confirmation.effects if judgement.confirmation is not None else ()
+    confirmed = next((effect for effect in told if effect.name == candidate.name), None)
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
@@ -153,10 +154,6 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
         plausible=candidate.plausible,
         confirmed=confirmed,
     )
-
-
-def _confirmed(found: Confirmation | None, name: str) -> ConfirmedEffect | None:
-    return next((e for e in found.effects if e.name == name), None) if found is not None else None
 
 
 def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:
