@@ -73,7 +73,8 @@ def explain(
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
-    second = _alternatives(baseline, top, tuple(s for s in suspects[1:] if s.effect.name not in together))
+    others = tuple(s for s in suspects[1:] if s.effect.name not in together)
+    second = f"{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
     if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
@@ -195,25 +196,24 @@ def _between(top: Suspect) -> str:
 
 
 def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
-    """Return what else would explain the record, what is as good first, and how what is named shows."""
-    shows = f"It shows as: {top.effect.symptom}."
+    """Return what else would explain the record, what is as good first."""
     if top.effect in FAMILY_OF:
-        return f"{_between(top)} {shows}"
+        return _between(top)
     if top.rivals:
-        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}. {shows}"
+        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}."
     tried = [s for s in others if s.corrected is None]
-    tied = [s for s in tried if baseline.adequate(s.fit)]
+    tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
-        return f"{_beside_the_floor(baseline, top, tied)} {shows}"
+        return _beside_the_floor(baseline, top, tied)
     if tied:
-        return f"{_listed(tied)} would reach the floor too. {shows}"
+        return f"{_listed(tied)} would reach the floor too, with less evidence."
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
-        return f"No other effect explains anything of it. {shows}"
+        return "No other effect explains anything of it."
     return (
         f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
-        f"{_times_the_noise(best.error_after)}. {shows}"
+        f"{_times_the_noise(best.error_after)}."
     )
 
 
@@ -226,17 +226,10 @@ def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -
 
 
 def _listed(suspects: list[Suspect]) -> str:
-    shown = [_why_not(s) for s in sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]]
+    first = sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]
+    shown = [f"{plain_name(s.effect.name)} ({three_figures(s.error_after)})" for s in first]
     more = len(suspects) - len(shown)
     return "; ".join([*shown, f"{more} more"] if more else shown)
-
-
-def _why_not(suspect: Suspect) -> str:
-    """Return a suspect that reaches the floor too, and why another one is named."""
-    why = (
-        "with less evidence" if suspect.plausible else "with values that make another effect the better name"
-    )
-    return f"{plain_name(suspect.effect.name)} ({three_figures(suspect.error_after)}; {why})"
 
 
 def _explained(baseline: Baseline, suspect: Suspect) -> float:
