@@ -24,7 +24,7 @@ from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline, with_noise_beside
-from identify.fitting.fit import Fit, fit, is_far
+from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
@@ -174,18 +174,10 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
         base.point | linear | strengths | states,
         initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
     )
-    ends = [end for start in starts for end in _ends(base, model, start)]
+    ends = [fit(model, base.windows, start, base.frequency, near=True) for start in starts]
     ends.append(_one_after_the_other(baseline, found))
     best = min(ends, key=lambda end: end.chi_square)
     return best if best.chi_square < base.chi_square else None
-
-
-def _ends(base: Fit, model: Model, start: dict[str, float]) -> list[Fit]:
-    """Return the fits from a start that may be far off, grown from its first few cycles, and from the start as it is."""
-    near = fit(model, base.windows, start, base.frequency, near=True)
-    if not is_far(model, base.windows, start, base.frequency):
-        return [near]
-    return [fit(model, base.windows, start, base.frequency), near]
 
 
 def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
