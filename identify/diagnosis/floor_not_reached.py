@@ -29,7 +29,6 @@ from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.fitting.noise_colour import may_be_hum
-from identify.model.model import Model
 from identify.priors import DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _THE_SAME = 0.05
