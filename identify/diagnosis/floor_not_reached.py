@@ -197,10 +197,12 @@ def line_beside(
     None where no force is claimed, where one reaches the floor, or where what it leaves holds no line of a sensor.
     """
     force = next((e for e in ranked if e.plausible and _is_steady_force(e)), None)
-    if force is None or not force.claimed or _first_reaches(baseline, ranked):
+    if force is None or not force.claimed:
+        return None
+    if _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].fit):
         return None
     lines = tuple(e for e in library if e.line and e.kind == "sensor" and e.name not in baseline.fit.model)
-    line = _line_behind(replace(baseline, fit=force.fit), lines) if lines else None
+    line = _line_behind(replace(baseline, fit=force.fit), lines)
     if line is None:
         return None
     model = baseline.fit.model.plus(line.term)
@@ -230,7 +232,3 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
 def _is_steady_force(entry: Candidate) -> bool:
     """Whether a suspect is a force that the motion makes: a line of a force is no better known than that of a sensor."""
     return entry.term.is_force and not entry.term.effect.line
-
-
-def _first_reaches(baseline: Baseline, ranked: tuple[Candidate, ...]) -> bool:
-    return _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].fit)
