@@ -46,7 +46,7 @@ def judge(
     judged = _judged(baseline, ranked, library, predict)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
-        return replace(judged, verdict="sensor_fault", corrected=True)
+        return replace(judged, verdict="sensor_fault")
     return with_walk(baseline, judged)
 
 
@@ -127,7 +127,7 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
     sensors = sorted(
         (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
     )
-    if judgement.corrected:
+    if judgement.verdict == "sensor_fault" and not any(entry.claimed for entry in entries):
         return (*sensors, *entries)
     named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
     first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
