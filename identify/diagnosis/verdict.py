@@ -37,8 +37,8 @@ class Judgement:
     `ranked` are the candidates, what the verdict names first; `together` the other effects where it takes several; `final`
     the fit with what was found; `shape` the free form, when something is missing that has no name. `confirmation` is what
     curves predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a name is
-    not told from it, or where it is what is left beside a name; None elsewhere.
+    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a name
+    is not told from it, or where it is what is left beside a name; None elsewhere.
     """
 
     verdict: Verdict
