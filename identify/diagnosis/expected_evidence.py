@@ -78,8 +78,9 @@ class _Carried:
         theta, misfit, jacobian = self.centre, self.misfit, self.jacobian
         cost = float(np.sum((misfit - target) ** 2))
         for _ in range(_ROUNDS):
-            step = _step(jacobian, self.precision, misfit - target, theta - self.centre)
-            moved = np.clip(theta + step, self.problem.low, self.problem.high)
+            gradient = jacobian @ (misfit - target) + self.precision @ (theta - self.centre)
+            step = _solve(jacobian @ jacobian.T + self.precision, gradient)
+            moved = np.clip(theta - step, self.problem.low, self.problem.high)
             again, slope = linearise(self.problem, moved)
             if not np.isfinite(again).all():
                 break
@@ -150,7 +151,7 @@ def expected_evidence(
         own = carried[i]
         if own is None:
             continue
-        at_fit = next(_readings(own, hypotheses[i], last, np.zeros((1, len(own.shared)))))
+        at_fit = next(_readings(own, hypotheses[i], np.zeros((1, len(own.shared)))))
         record = own.problem.residual_of(0, at_fit)
         for j in (j for one, j in pairs if one == i):
             rival = carried[j]
@@ -185,7 +186,7 @@ def refitted(
         if own is None:
             continue
         rivals = {j: rival for true, j in pairs if true == i and (rival := carried[j]) is not None}
-        for draw, readings in enumerate(_readings(own, one, last, drawn[i])):
+        for draw, readings in enumerate(_readings(own, one, drawn[i])):
             price = so_far[i].costs_more(own.problem, own.centre, readings) if one.has_law else 0.0
             for j, rival in rivals.items():
                 kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
@@ -252,9 +253,7 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
     return precision, spread
 
 
-def _readings(
-    own: _Carried, one: Hypothesis, last: PreparedDecay, drawn: Array
-) -> Iterator[dict[str, Array]]:
+def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
     """Yield the readings of a hypothesis at parameters that are off by what is drawn; those of its fit where they run away.
 
     Of a law without a name they are alike; a random walk is another one each time.
@@ -285,11 +284,6 @@ def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: in
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
     return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
-
-
-def _step(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:
-    normal = jacobian @ jacobian.T + precision
-    return -_solve(normal, jacobian @ misfit + precision @ off)
 
 
 def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> float:

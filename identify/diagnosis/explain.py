@@ -69,7 +69,7 @@ def explain(
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, _best(baseline, suspects), shape, confirmation, suspects)
+        return _unknown(baseline, _best(suspects), shape, confirmation, suspects)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
@@ -253,7 +253,7 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     )
 
 
-def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
+def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
     """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
     would; None otherwise.
     """
