@@ -8,7 +8,7 @@ from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
-from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide
+from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
 from identify.diagnosis.judgement import judge, large_enough, listed_suspects
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.next_release import Limits, NextRelease, next_release
@@ -228,6 +228,7 @@ def diagnose(
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
+    suspects = with_rivals(suspects, named, hypotheses)
     chosen = next_release(baseline.decays, hypotheses) if verdict not in _NO_RELEASE else None
     return Diagnosis(
         baseline=baseline,

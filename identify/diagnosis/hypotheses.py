@@ -136,6 +136,20 @@ def hypotheses_of(
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
 
 
+def with_rivals(
+    suspects: tuple[Suspect, ...], named: Sequence[str], hypotheses: Sequence[Hypothesis]
+) -> tuple[Suspect, ...]:
+    """Return suspects of which each of several that are named has as rivals what is not distinguishable in its place."""
+    if len(named) < 2:
+        return suspects
+    near = [one.names for one in hypotheses if hypotheses[0].log_odds - one.log_odds < RIVALS_WITHIN]
+    rivals = {
+        name: tuple(names[place] for names in near if len(names) == len(named) and names[place] != name)
+        for place, name in enumerate(named)
+    }
+    return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
+
+
 def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
     """Return the evidence (nats) of a hypothesis against the `base` without its effects; noise is `widened` as by chance."""
     if one.fit is base:

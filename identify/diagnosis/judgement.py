@@ -140,6 +140,9 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     named = judgement.together and (candidate is judgement.ranked[0] or candidate.name in judgement.together)
     told = judgement.confirmation.effects if judgement.confirmation is not None else ()
     confirmed = next((effect for effect in told if effect.name == candidate.name), None)
+    rivals = rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals
+    if named and not is_final and confirmed is None:
+        rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
@@ -150,7 +153,7 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
         baseline=baseline,
         fit=candidate.fit,
         last=settled.fit if named or is_final else candidate.fit,
-        rivals=rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals,
+        rivals=rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,
     )
