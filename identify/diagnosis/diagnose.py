@@ -211,20 +211,15 @@ def diagnose(
     whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
     baseline, judgement = _searched(first, whole, library, progress)
     judgement = large_enough(baseline, judgement, worth)
-    if baseline is not first:  # other noise, another floor
-        whole = carried(whole, baseline)
-    settled = baseline
-    if judgement.final is not baseline.fit:
-        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
-    settled = replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
+    whole = whole if baseline is first else carried(whole, baseline)  # other noise, another floor
+    settled = _settled(baseline, judgement)
     suspects = listed_suspects(baseline, judgement, settled)
-    few = too_few_cycles(baseline) and judgement.verdict != "sensor_fault"
-    if few or (judgement.verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
-        judgement = replace(judgement, verdict="not_enough_data")
     verdict = judgement.verdict
-    findings = tuple(
-        f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
-    )
+    few = too_few_cycles(baseline) and verdict != "sensor_fault"
+    if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
+        verdict = "not_enough_data"
+        judgement = replace(judgement, verdict=verdict)
+    findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
@@ -252,6 +247,20 @@ def diagnose(
         hypotheses=hypotheses,
         next_release=chosen,
     )
+
+
+def _findings(settled: Baseline) -> tuple[CorrectedFault, ...]:
+    """Return the faults of sensors that are corrected in every fit but ought to be mended."""
+    faults = unnamed_faults(settled.decays, settled.fit)
+    return tuple(f for f in faults if f.p_value < settled.alpha or f.remarked)
+
+
+def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
+    """Return the baseline of what was found, against the floor that its own residual shows."""
+    settled = baseline
+    if judgement.final is not baseline.fit:
+        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
+    return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
 
 
 def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[str, ...]) -> tuple[str, ...]:

@@ -103,7 +103,6 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    judged = {(), *((suspect.effect.name,) for suspect in suspects)}
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if len(named) == 1 else ()
     laws = laws_of_free_exponent(baseline, [suspect.effect.name for suspect in near])
     between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
@@ -121,6 +120,23 @@ def hypotheses_of(
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
+    weighed = _agreeing(
+        weighed, {(), *((suspect.effect.name,) for suspect in suspects)}, named, rivals, quiet=quiet
+    )
+    highest = max(one.log_odds for one in weighed)
+    weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
+    return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+
+
+def _agreeing(
+    weighed: list[Hypothesis],
+    judged: set[tuple[str, ...]],
+    named: Sequence[str],
+    rivals: Sequence[str],
+    *,
+    quiet: bool,
+) -> list[Hypothesis]:
+    """Return hypotheses with odds that agree with the verdict, as far as it judged them; `quiet` where nothing is claimed."""
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         unknown = [one for one in weighed if one.names not in judged]
@@ -131,9 +147,7 @@ def hypotheses_of(
         usual = next(one.log_odds for one in weighed if one.has_law and not one.names)
         most = max(nameless) - _apart(len(weighed) - len(nameless)) if nameless else usual
         weighed = [replace(one, log_odds=min(one.log_odds, most)) if one.has_law else one for one in weighed]
-    highest = max(one.log_odds for one in weighed)
-    weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
-    return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+    return weighed
 
 
 def with_rivals(
