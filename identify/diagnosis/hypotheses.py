@@ -136,7 +136,7 @@ def _agreeing(
     *,
     quiet: bool,
 ) -> list[Hypothesis]:
-    """Return hypotheses with odds that agree with the verdict, as far as it judged them; `quiet` where nothing is claimed."""
+    """Return hypotheses with odds that agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         unknown = [one for one in weighed if one.names not in judged]
