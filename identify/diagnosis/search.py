@@ -23,6 +23,9 @@ _FITTED = 6
 _INDEPENDENT = 1e-6
 """Share of a column that the model and the other column must leave free."""
 
+_TIMES_LEAST = 4.0
+"""Times as much as the best triple may leave of the restoring force."""
+
 _THIRD_HELPS = 0.95
 """Share of what the best pair leaves that a triple must fall below."""
 
@@ -69,8 +72,9 @@ def promising_sets(
 ) -> tuple[list[tuple[Begun, ...]], list[tuple[Begun, ...]]]:
     """Return the pairs and the triples of forces that leave least of the restoring force, each with what leaves least first.
 
-    Each effect is tried at all starting values of its inner parameters; strengths are free and of either sign. No triples
-    are returned where the best leaves little less than the best pair: there a third effect has nothing to explain.
+    Each effect is tried at all starting values of its inner parameters; strengths are free and of either sign. Only those
+    triples are returned that leave at most some times as much as the best, and none where even that leaves little less than
+    the best pair: there a third effect has nothing to explain.
     """
     columns = _free_columns(prepared, model, terms, scales)
     if columns is None:
@@ -86,8 +90,10 @@ def promising_sets(
     two, three = of_effects.copy(), of_effects
     two[:, :, :-1] = np.inf
     three[:, :, -1] = three[:, -1, :] = np.inf
-    helps = three.min() < _THIRD_HELPS * two.min()
-    return _least(columns, effect, two), _least(columns, effect, three) if helps else []
+    most = _TIMES_LEAST * float(three.min())
+    if not three.min() < _THIRD_HELPS * two.min():
+        most = -np.inf
+    return _least(columns, effect, two, np.inf), _least(columns, effect, three, most)
 
 
 def _of_different(left: Array, effect: NDArray[np.int64], i: int) -> Array:
@@ -97,15 +103,15 @@ def _of_different(left: Array, effect: NDArray[np.int64], i: int) -> Array:
     return np.where(alike | own[:, None] | own, np.inf, left)
 
 
-def _least(columns: _Columns, effect: NDArray[np.int64], left: Array) -> list[tuple[Begun, ...]]:
-    """Return the few sets of effects that leave least, each with the columns that do.
+def _least(columns: _Columns, effect: NDArray[np.int64], left: Array, most: float) -> list[tuple[Begun, ...]]:
+    """Return the few sets of effects that leave least and at most so much, each with the columns that do.
 
     `left` (columns, effects, effects) is what each column leaves with the best columns of two effects.
     """
     found: dict[frozenset[int], tuple[Begun, ...]] = {}
     for at in np.argsort(left, axis=None):
         i, m, n = (int(place) for place in np.unravel_index(at, left.shape))
-        if len(found) == _FITTED or not np.isfinite(left[i, m, n]):
+        if len(found) == _FITTED or not left[i, m, n] <= min(most, np.finfo(float).max):
             break
         key = frozenset((int(effect[i]), m, n))
         if key not in found:
