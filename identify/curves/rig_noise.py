@@ -62,7 +62,7 @@ class RigNoise:
         return np.asarray(self.overlap * own + walk**2 * self.walks[channel])
 
     def drifting(self, channel: int, scatter: float) -> Array:
-        """Return the covariance of what laws leave if it scatters by so much (m or rad) and drifts from point to point, (n, n)."""
+        """Return the covariance of a residual that scatters (m or rad) and drifts from point to point, (n, n)."""
         size = self.curve.amplitude
         unit = size if channel != CENTRE else np.full(len(size), size.max())
         drift = DRIFT * np.cumsum(unit**-2.0)

@@ -126,9 +126,9 @@ def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
         return True
     last = WithoutName.beside(final)
     if len(added) == 1:
-        near = [one for one in judged.ranked if one.claimed and one.candidate.plausible]
-        effects = {one.candidate.name: one.candidate.term.effect for one in near}
-        nats = {one.candidate.name: one.evidence for one in near}
+        near = [one for one in judged.ranked if one.claimed and one.plausible]
+        effects = {one.name: one.term.effect for one in near}
+        nats = {one.name: one.evidence for one in near}
         return weigh(baseline.fit, nats, effects, last).verdict == "named"
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     for effect in added:

@@ -9,7 +9,7 @@ from identify.curves.confirmation import Confirmation
 from identify.curves.laid_over import Law
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
-from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide
+from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
 from identify.diagnosis.judgement import judge, large_enough, listed_suspects
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.next_release import Limits, NextRelease, next_release
@@ -20,16 +20,15 @@ from identify.diagnosis.ranking import rank
 from identify.diagnosis.releases_differ import (
     ReleaseValue,
     carried,
-    decided_anew,
     how_they_differ,
+    on_second_thought,
     release_values,
     shared_where_alike,
     where_releases_differ,
 )
-from identify.diagnosis.search import singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms
+from identify.diagnosis.suspects import candidate_terms, singles
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
@@ -50,6 +49,13 @@ from identify.summary import Summarised, Summary
 _MOST_STEPS = 5
 _SHOWN = 6
 _NO_RELEASE: tuple[Verdict, ...] = ("not_enough_data", "driven")
+_STOPS: dict[Verdict, str] = {
+    "nothing_missing": "the noise floor is reached: no effect of the library lowers the error by more than noise explains",
+    "unknown_effect": "something is missing that the library does not name; see the free form",
+    "unconfirmed": "something is left that no effect of the library predicts",
+    "driven": "the motion is driven: a free decay is needed to name a force",
+    "not_enough_data": "the record is too short to tell more effects apart",
+}
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 
 
@@ -160,19 +166,10 @@ class Diagnosis(Summarised):
             self.too_small or not self.baseline.adequate(self.baseline.fit)
         ):
             return "what is left is too little of the motion to be worth a name"
-        if self.verdict == "nothing_missing":
-            return "the noise floor is reached: no effect of the library lowers the error by more than noise explains"
-        if self.verdict == "unknown_effect":
-            return "something is missing that the library does not name; see the free form"
-        if self.verdict == "unconfirmed":
-            return "something is left that no effect of the library predicts"
-        if self.verdict == "driven":
-            return "the motion is driven: a free decay is needed to name a force"
-        if self.verdict == "not_enough_data":
-            return "the record is too short to tell more effects apart"
-        if steps > _MOST_STEPS:
-            return f"{_MOST_STEPS} effects were added; one with more would fit any record"
-        return ""
+        if self.verdict in _STOPS:
+            return _STOPS[self.verdict]
+        many = f"{_MOST_STEPS} effects were added; one with more would fit any record"
+        return many if steps > _MOST_STEPS else ""
 
     def brief(self) -> Summary:
         """Return the verdict, why, the first few suspects, and what each effect does."""
@@ -225,23 +222,19 @@ def diagnose(
     whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
     baseline, judgement = _searched(first, whole, library, progress)
     judgement = large_enough(baseline, judgement, worth)
-    if baseline is not first:  # other noise, another floor
-        whole = carried(whole, baseline)
-    settled = baseline
-    if judgement.final is not baseline.fit:
-        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
-    settled = replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
+    whole = whole if baseline is first else carried(whole, baseline)  # other noise, another floor
+    settled = _settled(baseline, judgement)
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
     few = too_few_cycles(baseline) and verdict != "sensor_fault"
     if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
         verdict = "not_enough_data"
-    findings = tuple(
-        f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
-    )
+        judgement = replace(judgement, verdict=verdict)
+    findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
+    suspects = with_rivals(suspects, named, hypotheses)
     chosen = next_release(baseline.decays, hypotheses) if verdict not in _NO_RELEASE else None
     return Diagnosis(
         baseline=baseline,
@@ -251,7 +244,7 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=judgement.shape,
-        explanation=_why(baseline, verdict, judgement, suspects, findings, settled, harmonics),
+        explanation=_why(baseline, judgement, suspects, findings, settled, harmonics),
         next_experiment=next_experiment(baseline, verdict, suspects, chosen),
         library=library,
         confirmation=judgement.confirmation,
@@ -267,6 +260,20 @@ def diagnose(
     )
 
 
+def _findings(settled: Baseline) -> tuple[CorrectedFault, ...]:
+    """Return the faults of sensors that are corrected in every fit but ought to be mended."""
+    faults = unnamed_faults(settled.decays, settled.fit)
+    return tuple(f for f in faults if f.p_value < settled.alpha or f.remarked)
+
+
+def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
+    """Return the baseline of what was found, against the floor that its own residual shows."""
+    settled = baseline
+    if judgement.final is not baseline.fit:
+        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
+    return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
+
+
 def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[str, ...]) -> tuple[str, ...]:
     """Return the effects that a verdict names."""
     if verdict not in ("missing_effect", "sensor_fault"):
@@ -276,7 +283,6 @@ def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[st
 
 def _why(
     baseline: Baseline,
-    verdict: Verdict,
     judgement: Judgement,
     suspects: tuple[Suspect, ...],
     findings: tuple[CorrectedFault, ...],
@@ -284,19 +290,9 @@ def _why(
     harmonics: HarmonicResidual | None,
 ) -> str:
     """Return why the verdict is what it is, what drifts, what stands at the harmonics, and by how much releases differ."""
-    why = explain(
-        baseline,
-        verdict,
-        suspects,
-        judgement.together,
-        findings,
-        settled,
-        judgement.shape,
-        judgement.confirmation,
-        too_small=judgement.too_small,
-    )
+    why = explain(baseline, judgement, suspects, findings, settled)
     releases = 1 + max(prepared.window.release for prepared in baseline.decays)
-    walk = walk_sentence(judgement.walk, named=verdict == "missing_effect", releases=releases)
+    walk = walk_sentence(judgement.walk, named=judgement.verdict == "missing_effect", releases=releases)
     return " ".join(
         filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )
@@ -317,7 +313,9 @@ def _searched(
     fitted = _worth_a_fit(baseline, library, predict)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     ranked = rank(baseline, tried)
-    baseline, ranked = decided_anew(first, baseline, ranked, fitted)
+    again = on_second_thought(first, baseline, ranked)
+    if again is not baseline:
+        baseline, ranked = again, rank(again, singles(again, fitted))
     progress("judging whether one effect explains it, or several together")
     judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
     return baseline, judgement

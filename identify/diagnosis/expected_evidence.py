@@ -22,7 +22,7 @@ from identify.diagnosis.experiment import (
     window_of,
 )
 from identify.diagnosis.hypotheses import Hypothesis
-from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.nonparametric_force import coordinates
 from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
@@ -30,8 +30,7 @@ from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-DRAWS = 6
-_REFITTED = 4
+_DRAWS = 4
 """Draws, that of the fit itself among them, of which a rival is refitted to the records themselves."""
 
 _LEAVE = 2.0
@@ -52,8 +51,8 @@ _WIDEST, _HELD = 0.5, 1e-9
 class ExpectedEvidence:
     """What an experiment is expected to tell: `nats[i, j, d]` against hypothesis j where i is true, of draw d.
 
-    (hypotheses, hypotheses, draws); nan on the diagonal, and for what runs away. `refitted` are the pairs whose evidence
-    is that of refits to the records themselves.
+    (hypotheses, hypotheses, draws); nan on the diagonal, for what runs away, and for all draws but the first, that of the
+    fit itself, until they are refitted. `refitted` are the pairs whose evidence is that of refits to the records themselves.
     """
 
     experiment: Experiment
@@ -74,14 +73,14 @@ class _Carried:
     shared: list[int]
     factors: Array
 
-    def left(self, records: Array, *, rounds: int) -> Array:
-        """Return the misfit (draws,) that a refit keeps of records (n, draws), themselves given as misfits."""
+    def left(self, target: Array) -> float:
+        """Return the misfit that a refit in a few steps keeps of a record (n,), itself given as a misfit."""
         theta, misfit, jacobian = self.centre, self.misfit, self.jacobian
-        target = records[:, 0]
         cost = float(np.sum((misfit - target) ** 2))
-        for _ in range(rounds):
-            step = _step(jacobian, self.precision, misfit - target, theta - self.centre)
-            moved = np.clip(theta + step, self.problem.low, self.problem.high)
+        for _ in range(_ROUNDS):
+            gradient = jacobian @ (misfit - target) + self.precision @ (theta - self.centre)
+            step = _solve(jacobian @ jacobian.T + self.precision, gradient)
+            moved = np.clip(theta - step, self.problem.low, self.problem.high)
             again, slope = linearise(self.problem, moved)
             if not np.isfinite(again).all():
                 break
@@ -93,7 +92,7 @@ class _Carried:
             cost = new
             if better < 1.0:
                 break
-        return _kept(jacobian, self.precision, misfit[:, None] - records, theta - self.centre)
+        return _kept(jacobian, self.precision, misfit - target, theta - self.centre)
 
 
 def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
@@ -104,7 +103,7 @@ def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
     """
     random, found = np.random.default_rng([2019, seed]), one.fit
     shared = [u.name for u in found.unknowns if u.window < 0]
-    drawn = np.zeros((1 + DRAWS, len(shared)))
+    drawn = np.zeros((_DRAWS, len(shared)))
     again = Experiment(signed_amplitude(last))
     window = _window(again, last, one)
     own = None if window is None or not one.has_law else _carried(again, last, found, window)
@@ -119,11 +118,11 @@ def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
         allowed = _LEAVE * float(normal @ normal)
         for _ in range(_DRAWN_BACK):
             misfit = own.problem.residuals(np.clip(own.centre + offset, own.problem.low, own.problem.high))
-            change = (misfit - own.misfit)[:, None]
+            change = misfit - own.misfit
             nothing = np.zeros((int(free.sum()),) * 2)
             if (
                 np.isfinite(misfit).all()
-                and _kept(own.jacobian[free], nothing, change, np.zeros(len(nothing)))[0] < allowed
+                and _kept(own.jacobian[free], nothing, change, np.zeros(len(nothing))) < allowed
             ):
                 row[:] = offset[at]
                 break
@@ -137,30 +136,28 @@ def expected_evidence(
     hypotheses: Sequence[Hypothesis],
     *,
     pairs: Sequence[tuple[int, int]],
-    drawn: Sequence[Array],
 ) -> ExpectedEvidence | None:
     """Return what an experiment would tell between hypotheses; None where its motion runs away or is soon at rest.
 
-    `last` is the largest release so far; `pairs` are places of a hypothesis that is true and of one to be refuted; `drawn`
-    are parameters of each (`draw_parameters`). The latter is refitted to the record at the middle of what is known, in a few
-    steps, and linearly from there to the others.
+    `last` is the largest release so far; `pairs` are places of a hypothesis that is true, at its fit, and of one to be
+    refuted, which is refitted in a few steps.
     """
     window = _window(experiment, last, hypotheses[0])
     if window is None:
         return None
     carried = [_carried(experiment, last, one.fit, window) for one in hypotheses]
-    nats = np.full((len(hypotheses), len(hypotheses), 1 + DRAWS), np.nan)
+    nats = np.full((len(hypotheses), len(hypotheses), _DRAWS), np.nan)
     for i in sorted({i for i, _ in pairs}):
         own = carried[i]
         if own is None:
             continue
-        records = _records(own, hypotheses[i], last, drawn[i])
-        price = own.left(records, rounds=0) if hypotheses[i].has_law else 0.0
+        at_fit = next(_readings(own, hypotheses[i], np.zeros((1, len(own.shared)))))
+        record = own.problem.residual_of(0, at_fit)
         for j in (j for one, j in pairs if one == i):
             rival = carried[j]
             if rival is not None:
-                nats[i, j] = 0.5 * (rival.left(records, rounds=_ROUNDS) - price)
-    return ExpectedEvidence(experiment, np.clip(nats, 0.0, _BEYOND))
+                nats[i, j, 0] = np.clip(0.5 * rival.left(record), 0.0, _BEYOND)
+    return ExpectedEvidence(experiment, nats)
 
 
 def refitted(
@@ -188,16 +185,12 @@ def refitted(
         own, one = carried[i], hypotheses[i]
         if own is None:
             continue
-        rivals = [(j, carried[j]) for true, j in pairs if true == i]
-        for j, _ in rivals:
-            nats[i, j] = np.nan
-        for draw, readings in enumerate(_readings(own, one, last, drawn[i][:_REFITTED])):
+        rivals = {j: rival for true, j in pairs if true == i and (rival := carried[j]) is not None}
+        for draw, readings in enumerate(_readings(own, one, drawn[i])):
             price = so_far[i].costs_more(own.problem, own.centre, readings) if one.has_law else 0.0
-            for j, rival in rivals:
-                if rival is not None:
-                    kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
-                    nats[i, j, draw] = 0.5 * (kept - price)
-    nats = np.where(np.isfinite(nats), np.clip(nats, 0.0, _BEYOND), nats)
+            for j, rival in rivals.items():
+                kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
+                nats[i, j, draw] = np.clip(0.5 * (kept - price), 0.0, _BEYOND)
     return replace(expected, nats=nats, refitted=done)
 
 
@@ -260,15 +253,7 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
     return precision, spread
 
 
-def _records(own: _Carried, one: Hypothesis, last: PreparedDecay, drawn: Array) -> Array:
-    """Return records of a hypothesis as its misfit, (n, draws): at parameters that are off by what is drawn."""
-    records = [own.problem.residual_of(0, readings) for readings in _readings(own, one, last, drawn)]
-    return np.stack(records, axis=1)
-
-
-def _readings(
-    own: _Carried, one: Hypothesis, last: PreparedDecay, drawn: Array
-) -> Iterator[dict[str, Array]]:
+def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
     """Yield the readings of a hypothesis at parameters that are off by what is drawn; those of its fit where they run away.
 
     Of a law without a name they are alike; a random walk is another one each time.
@@ -291,39 +276,21 @@ def _readings(
 
 def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
     """Return the force per unit mass of what acts beside the fit of a hypothesis, along a motion, (n,)."""
-    if one.shape is not None:
-        return _along(one.shape, time, u, v)
+    if one.shape is not None:  # beyond where it was seen it stays as it is
+        first = one.shape.shapes[0]
+        position, factor = coordinates(time, u, v)[first.coordinate]
+        return np.asarray(np.interp(position, first.position, first.force) * factor)
     assert one.walk is not None
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
     return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
 
 
-def _along(shape: NonparametricForce, time: Array, u: Array, v: Array) -> Array:
-    """Return the force per unit mass of a free form along a motion, (n,); beyond where it was seen it stays as it is."""
-    first = shape.shapes[0]
-    places = {
-        "displacement": (u, 1.0),
-        "velocity": (v, 1.0),
-        "friction over displacement": (u, np.sign(v)),
-        "friction over speed": (np.abs(v), np.sign(v)),
-    }
-    at, factor = places.get(
-        first.coordinate, (time, {"(stiffness)": u, "(damping)": v}.get(first.coordinate[5:], np.sign(v)))
-    )
-    return np.asarray(np.interp(at, first.position, first.force) * factor)
-
-
-def _step(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:
-    normal = jacobian @ jacobian.T + precision
-    return -_solve(normal, jacobian @ misfit + precision @ off)
-
-
-def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:
-    """Return the smallest sum of squares, prior included, that a linear step leaves of misfits (n, draws), (draws,)."""
-    gradient = jacobian @ misfit + (precision @ off)[:, None]
+def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> float:
+    """Return the smallest sum of squares, prior included, that a linear step leaves of a misfit (n,)."""
+    gradient = jacobian @ misfit + precision @ off
     best = _solve(jacobian @ jacobian.T + precision, gradient)
-    return np.asarray(np.sum(misfit**2, axis=0) + off @ precision @ off - np.sum(gradient * best, axis=0))
+    return float(misfit @ misfit + off @ precision @ off - gradient @ best)
 
 
 def _sound(jacobian: Array) -> bool:
@@ -337,5 +304,4 @@ def _solve(normal: Array, right: Array) -> Array:
     size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     values, vectors = np.linalg.eigh(normal / np.outer(size, size))
     inverse = np.where(values > _FLAT, 1.0 / np.maximum(values, _FLAT), 0.0)
-    scaled = (right.T / size).T
-    return np.asarray(((vectors * inverse) @ (vectors.T @ scaled)).T / size).T
+    return np.asarray((vectors * inverse) @ (vectors.T @ (right / size)) / size)

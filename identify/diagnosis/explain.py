@@ -7,10 +7,10 @@ from identify.diagnosis.explain_prediction import explain_confirmed, explain_dri
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import why_not_enough
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
-from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
@@ -46,25 +46,19 @@ FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 def explain(
     baseline: Baseline,
-    verdict: str,
+    judgement: Judgement,
     suspects: tuple[Suspect, ...],
-    together: tuple[str, ...],
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
-    shape: NonparametricForce | None,
-    confirmation: Confirmation | None = None,
-    *,
-    too_small: float = 0.0,
 ) -> str:
-    """Return why the verdict is what it is, with numbers and the alternatives that remain.
-
-    `too_small` is what the first force removes, in % of the motion, where it is sure and too small to be named.
-    """
+    """Return why the verdict is what it is, with numbers and the alternatives that remain."""
+    verdict, together, shape = judgement.verdict, judgement.together, judgement.shape
+    confirmation, too_small = judgement.confirmation, judgement.too_small
     if verdict == "nothing_missing" and too_small:
         small = next(s for s in suspects if s.kind == "physics" and s.plausible)
         return _sure_but_small(baseline, small, too_small)
     if verdict == "nothing_missing":
-        return _nothing(baseline, suspects, settled)
+        return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
     if verdict == "not_enough_data":
         return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
@@ -75,11 +69,12 @@ def explain(
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, _best(baseline, suspects), shape, confirmation, suspects)
+        return _unknown(baseline, _best(suspects), shape, confirmation, suspects)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
-    second = _alternatives(baseline, top, tuple(s for s in suspects[1:] if s.effect.name not in together))
+    others = tuple(s for s in suspects[1:] if s.effect.name not in together)
+    second = f"{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
     if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
@@ -105,10 +100,6 @@ def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
         f"it the model leaves {left} % of the motion, a reduced chi-square of "
         f"{three_figures(baseline.reduced(baseline.fit))}."
     )
-
-
-def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
-    return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
 
 
 def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
@@ -205,25 +196,24 @@ def _between(top: Suspect) -> str:
 
 
 def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
-    """Return what else would explain the record, what is as good first, and how what is named shows."""
-    shows = f"It shows as: {top.effect.symptom}."
+    """Return what else would explain the record, what is as good first."""
     if top.effect in FAMILY_OF:
-        return f"{_between(top)} {shows}"
+        return _between(top)
     if top.rivals:
-        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}. {shows}"
-    tried = [s for s in others if not _is_corrected(s) and s.fit is not baseline.fit]
-    tied = [s for s in tried if baseline.adequate(s.fit)]
+        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}."
+    tried = [s for s in others if s.corrected is None]
+    tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
-        return f"{_beside_the_floor(baseline, top, tied)} {shows}"
+        return _beside_the_floor(baseline, top, tied)
     if tied:
-        return f"{_listed(tied)} would reach the floor too. {shows}"
+        return f"{_listed(tied)} would reach the floor too, with less evidence."
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
-        return f"No other effect explains anything of it. {shows}"
+        return "No other effect explains anything of it."
     return (
         f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
-        f"{_times_the_noise(best.error_after)}. {shows}"
+        f"{_times_the_noise(best.error_after)}."
     )
 
 
@@ -236,17 +226,10 @@ def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -
 
 
 def _listed(suspects: list[Suspect]) -> str:
-    shown = [_why_not(s) for s in sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]]
+    first = sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]
+    shown = [f"{plain_name(s.effect.name)} ({three_figures(s.error_after)})" for s in first]
     more = len(suspects) - len(shown)
     return "; ".join([*shown, f"{more} more"] if more else shown)
-
-
-def _why_not(suspect: Suspect) -> str:
-    """Return a suspect that reaches the floor too, and why another one is named."""
-    why = (
-        "with less evidence" if suspect.plausible else "with values that make another effect the better name"
-    )
-    return f"{plain_name(suspect.effect.name)} ({three_figures(suspect.error_after)}; {why})"
 
 
 def _explained(baseline: Baseline, suspect: Suspect) -> float:
@@ -270,13 +253,13 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     )
 
 
-def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
+def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
     """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
     would; None otherwise.
     """
     if not suspects or not suspects[0].claimed:
         return None
-    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.fit is not baseline.fit]
+    tried = [s for s in suspects if s.plausible and s.corrected is None]
     return min(tried, key=lambda s: s.error_after, default=suspects[0])
 
 
@@ -284,7 +267,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """Return how much the model leaves and how much of it named effects explain, each alone."""
     whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
     floor = f"where the floor is {floor_of(baseline)}"
-    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
+    tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
         rest = "what is left has no name"
@@ -348,11 +331,6 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
         f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
         f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
-
-
-def _is_corrected(suspect: Suspect) -> bool:
-    effect = suspect.effect
-    return isinstance(effect, SensorFault) and effect.corrected_in_every_fit
 
 
 def _where(suspect: Suspect) -> str:

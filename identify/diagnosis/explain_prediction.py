@@ -36,7 +36,7 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
 
     `before` is the reduced chi-square of the model as it is.
     """
-    size = three_figures(_share(found))
+    size = three_figures(found.usual.typical("motion"))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it predicts {basis}."]
@@ -102,10 +102,6 @@ def _undecided(found: Confirmation) -> list[str]:
             "amplitude distinguishes time from amplitude."
         )
     return sentences
-
-
-def _share(found: Confirmation) -> float:
-    return float(np.round(found.usual.typical("motion"), 6))
 
 
 def _among(names: tuple[str, ...]) -> str:

@@ -10,27 +10,25 @@ down to the floor. So what the best force leaves is asked for a line of a sensor
 is seen again in what both leave, and all suspects are tried again.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.linear_gain import states_of_term
 from identify.diagnosis.nonparametric_force import free_form
-from identify.diagnosis.ranking import Ranked, rank, rivals_of
-from identify.diagnosis.search import singles
-from identify.diagnosis.suspects import Candidate, residual_lines, try_terms
+from identify.diagnosis.ranking import rank, rivals_of
+from identify.diagnosis.suspects import Candidate, residual_lines, singles, try_terms
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit, fit, is_far
+from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.fitting.noise_colour import may_be_hum
-from identify.model.model import Model
 from identify.priors import DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _THE_SAME = 0.05
@@ -47,43 +45,42 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     of a force must be clear of none: what bends enough reaches any guess. Of forces that are not told from it the one
     without a constant of its own leads, else the simplest; a law of time among laws of the amplitude names nothing.
     """
-    line = alone.ranked[0].candidate
+    line = alone.ranked[0]
     if line.term.effect.line and not line.term.is_force and line_percent(line.fit, line.term) < LARGE:
         return replace(alone, verdict="nothing_missing", ranked=unclaimed(alone.ranked))
     alike = _alike(baseline, alone.ranked)
-    predicted = next((entry for entry in alike if is_predicted(entry.candidate)), None)
-    lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
-    best = lead.candidate
-    of_one_kind = predicted is not None or len({entry.candidate.term.effect.of_time for entry in alike}) == 1
+    predicted = next((entry for entry in alike if is_predicted(entry)), None)
+    best = predicted or min(alike, key=lambda entry: complexity(entry.term.effect))
+    of_one_kind = predicted is not None or len({entry.term.effect.of_time for entry in alike}) == 1
     clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
     if not (of_one_kind and clear):
         return by_curves(baseline, alone.ranked, found, best.fit)
-    rest = tuple(entry for entry in alone.ranked if entry is not lead)
-    return replace(alone, ranked=(lead, *rest), final=best.fit, confirmation=found)
+    rest = tuple(entry for entry in alone.ranked if entry is not best)
+    return replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
 
 
-def unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def unclaimed(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Return the candidates, none of them claimed."""
     return tuple(replace(entry, claimed=False) for entry in ranked)
 
 
-def _alike(baseline: Baseline, ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Return the leader and, of a force, the plausible forces at the floor that are not told from it, best first.
 
     Against a guess of the floor a few nats say nothing: of these the simplest leads, and a law of time among laws of the
     amplitude is told from them by another release only.
     """
     first = ranked[0]
-    if not first.candidate.term.is_force:
+    if not first.term.is_force:
         return (first,)
     names = rivals_of(first, ranked)
-    forces = (e for e in ranked[1:] if e.candidate.name in names and e.candidate.term.is_force)
-    reach = (e for e in forces if e.candidate.plausible and baseline.adequate(e.candidate.fit))
+    forces = (e for e in ranked[1:] if e.name in names and e.term.is_force)
+    reach = (e for e in forces if e.plausible and baseline.adequate(e.fit))
     return (first, *reach)
 
 
 def by_curves(
-    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None, best: Fit
+    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None, best: Fit
 ) -> Judgement:
     """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains.
 
@@ -101,22 +98,20 @@ def by_curves(
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
-        shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
+        shape = free_form(baseline, best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
 
 
 def _of_confirmed(
-    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation, whole: Fit
+    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
     """Return the judgement that names what curves confirm, with their evidence."""
-    gain = baseline.fit.chi_square - whole.chi_square
     first = tuple(
-        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), effect.nats, True)
-        for effect in found.effects
+        Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )
-    rest = tuple(replace(e, claimed=False) for e in ranked if e.candidate.name not in found.names)
+    rest = tuple(replace(e, claimed=False) for e in ranked if e.name not in found.names)
     shape = free_form(baseline, whole)
     return Judgement(
         "missing_effect", (*first, *rest), whole, found.names[1:], shape=shape, confirmation=found
@@ -124,20 +119,20 @@ def _of_confirmed(
 
 
 def _by_free_run(
-    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None
+    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None
 ) -> Judgement | None:
     """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
     time, leaves next to nothing of what the model left, and its strength is clear of none.
     """
-    plausible = (entry for entry in ranked if entry.candidate.plausible)
-    best = min(plausible, key=lambda entry: entry.candidate.fit.chi_square, default=None)
-    if best is None or best.candidate.term.effect.kind != "physics":
+    plausible = (entry for entry in ranked if entry.plausible)
+    best = min(plausible, key=lambda entry: entry.fit.chi_square, default=None)
+    if best is None or best.term.effect.kind != "physics":
         return None
-    final, term = best.candidate.fit, best.candidate.term
+    final, term = best.fit, best.term
     left = final.chi_square / baseline.fit.chi_square
-    beats = found is not None and found.beats and not found.has_law(best.candidate.name)
+    beats = found is not None and found.beats and not found.has_law(best.name)
     second = beats and left < _LINE_LEAVES
     all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
     if not second and not (all_of_it and is_clear(final, term)):
@@ -178,18 +173,10 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
         base.point | linear | strengths | states,
         initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
     )
-    ends = [end for start in starts for end in _ends(base, model, start)]
+    ends = [fit(model, base.windows, start, base.frequency, near=True) for start in starts]
     ends.append(_one_after_the_other(baseline, found))
     best = min(ends, key=lambda end: end.chi_square)
     return best if best.chi_square < base.chi_square else None
-
-
-def _ends(base: Fit, model: Model, start: dict[str, float]) -> list[Fit]:
-    """Return the fits from a start that may be far off, grown from its first few cycles, and from the start as it is."""
-    near = fit(model, base.windows, start, base.frequency, near=True)
-    if not is_far(model, base.windows, start, base.frequency):
-        return [near]
-    return [fit(model, base.windows, start, base.frequency), near]
 
 
 def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
@@ -202,49 +189,32 @@ def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
     return end
 
 
-@dataclass(frozen=True, eq=False)
-class LineBeside:
-    """A sensor's line, the model as fitted with it, and the suspects of that model."""
-
-    line: Ranked
-    baseline: Baseline
-    ranked: tuple[Ranked, ...]
-
-    def named_with(self, judgement: Judgement) -> Judgement:
-        """Return what was judged beside the line with the line named too."""
-        name = self.line.candidate.name
-        return replace(
-            judgement,
-            ranked=(judgement.ranked[0], self.line, *judgement.ranked[1:]),
-            together=(*judgement.together, name),
-        )
-
-
 def line_beside(
-    baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
-) -> LineBeside | None:
-    """Return the line that a sensor has beside the best force, with the suspects beside it.
+    baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> tuple[Candidate, Baseline, tuple[Candidate, ...]] | None:
+    """Return the line that a sensor has beside the best force, the model as fitted with it, and the suspects beside both.
 
     None where no force is claimed, where one reaches the floor, or where what it leaves holds no line of a sensor.
     """
-    force = next((e for e in ranked if e.candidate.plausible and _is_steady_force(e)), None)
-    if force is None or not force.claimed or _first_reaches(baseline, ranked):
+    force = next((e for e in ranked if e.plausible and _is_steady_force(e)), None)
+    if force is None or not force.claimed:
+        return None
+    if _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].fit):
         return None
     lines = tuple(e for e in library if e.line and e.kind == "sensor" and e.name not in baseline.fit.model)
-    line = _line_behind(replace(baseline, fit=force.candidate.fit), lines) if lines else None
+    line = _line_behind(replace(baseline, fit=force.fit), lines)
     if line is None:
         return None
-    best = line.candidate
-    model = baseline.fit.model.plus(best.term)
-    begun = best.fit.point | baseline.fit.point
+    model = baseline.fit.model.plus(line.term)
+    begun = line.fit.point | baseline.fit.point
     usual = fit(model, baseline.fit.windows, begun, baseline.fit.frequency, near=True)
     beside = replace(baseline, fit=usual)
-    names = {entry.candidate.name for entry in ranked} - {best.name}
+    names = {entry.name for entry in ranked} - {line.name}
     tried = tuple(effect for effect in library if effect.name in names)
-    return LineBeside(line, beside, rank(beside, singles(beside, tried)))
+    return line, beside, rank(beside, singles(beside, tried))
 
 
-def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
+def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | None:
     """Return the line of a sensor in what a fit leaves; None where none stands clear of the residual around it and lasts."""
     found = next((c for c in singles(behind, lines) if c.plausible), None)
     if found is None:
@@ -256,13 +226,9 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
     scales = scales_of(behind.decays[0], residual_lines(behind.fit))
     nats = evidence(behind.fit, found.fit, scales, max(density, 1.0))
-    return Ranked(found, nats, True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
+    return replace(found, evidence=nats, claimed=True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
 
 
-def _is_steady_force(entry: Ranked) -> bool:
+def _is_steady_force(entry: Candidate) -> bool:
     """Whether a suspect is a force that the motion makes: a line of a force is no better known than that of a sensor."""
-    return entry.candidate.term.is_force and not entry.candidate.term.effect.line
-
-
-def _first_reaches(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
-    return _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].candidate.fit)
+    return entry.term.is_force and not entry.term.effect.line

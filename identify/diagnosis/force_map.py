@@ -19,7 +19,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 
 RINGS = 9
 ANGLES = 30
-_FEWEST = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,4 +102,4 @@ def force_map(prepared: PreparedDecay, force: Array) -> ForceMap:
 def _means(place: NDArray[np.signedinteger[Any]], force: Array, used: Mask, bins: int) -> Array:
     count = np.bincount(place[used], minlength=bins)
     total = np.bincount(place[used], weights=force[used], minlength=bins)
-    return np.where(count >= _FEWEST, total / np.maximum(count, 1), np.nan)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

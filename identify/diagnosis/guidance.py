@@ -112,9 +112,8 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
         return Guidance("no_name", words, None, chosen)
     named, near = leading(found), _near(found)
     if named != found.named and not near:
-        words = (
-            f"{_named(named)}: {_lower(found.named)} would do nearly, but this explains the releases better."
-        )
+        nearly = among([plain_name(name) for name in found.named])
+        words = f"{_named(named)}: {nearly} would do nearly, but this explains the releases better."
         return Guidance("confirmed", words, None, chosen, named)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
@@ -140,10 +139,9 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
         amplitude = f"{1e3 * reach:.3g} mm" if unit == "m" else f"{reach:.3g} {unit}"
         parts.append(f"What begins above {amplitude} was not seen.")
     if near:
+        has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")
         laws = among([one.title for one in near])
-        parts.append(
-            f"This rig cannot exclude {laws}, which {_have(near)} more parameters and explain{_s(near)} no more."
-        )
+        parts.append(f"This rig cannot exclude {laws}, which {has} more parameters and {explains} no more.")
     for one in found.hypotheses:
         if one.within and one.names[0] in found.suspects[0].rivals:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
@@ -151,14 +149,6 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
             parts.append(f"It cannot exclude {one.title} with {ends}: here that is the same law.")
     return " ".join(parts)
-
-
-def _have(near: list[Hypothesis]) -> str:
-    return "has" if len(near) == 1 else "have"
-
-
-def _s(near: list[Hypothesis]) -> str:
-    return "s" if len(near) == 1 else ""
 
 
 def _settled(found: Diagnosis) -> bool:
@@ -195,10 +185,6 @@ def _reach(found: Diagnosis) -> float:
 def _named(effects: tuple[str, ...]) -> str:
     names = among([plain_name(name) for name in effects])
     return names[:1].upper() + names[1:]
-
-
-def _lower(effects: tuple[str, ...]) -> str:
-    return among([plain_name(name) for name in effects])
 
 
 def _largest(found: Diagnosis, limits: Limits) -> Experiment:

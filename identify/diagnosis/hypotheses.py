@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.free_exponent import from_members
+from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
+from identify.diagnosis.suspects import candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
@@ -86,8 +86,11 @@ def hypotheses_of(
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
     if named:
-        own = _at_the_same_floor(baseline, suspects[0], named, final)
-        if own is baseline.fit:  # a fault that every fit corrects: the usual model without it was not fitted
+        # `final` is fitted against the noise of its own residual, all other suspects against that of the baseline.
+        own = suspects[0].fit
+        if len(named) > 1:
+            own = fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
+        elif suspects[0].corrected is not None:  # the usual model without it was not fitted
             del found[()]
         found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
@@ -95,44 +98,70 @@ def hypotheses_of(
     recorded = replace(scales, duration=max(map(_recorded, baseline.decays)))
     for suspect in sorted(suspects, key=lambda one: (quiet and not _hides(one), one.fit.chi_square)):
         name = suspect.effect.name
-        if suspect.fit is baseline.fit or name in named:
+        if suspect.corrected is not None or name in named:
             continue
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    judged = {(), *((suspect.effect.name,) for suspect in suspects)}
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if len(named) == 1 else ()
-    for one in (*_swapped(baseline, suspects, named, final), *_between_the_names(baseline, near)):
+    laws = laws_of_free_exponent(baseline, [suspect.effect.name for suspect in near])
+    between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
+    for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
-    weighed = [
-        replace(
-            one, log_odds=log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, suspects, one)
-        )
-        for one in found.values()
-    ]
+    weighed, none = (
+        [],
+        float(np.log(max(len(suspects), 1))),
+    )  # to begin with as probable as all suspects together
+    for one in found.values():
+        known = log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
+        weighed.append(replace(one, log_odds=known if one.names else known + none))
     if shape is not None and shape.shapes:
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
-    weighed = [_beside_all(one, len(suspects)) for one in weighed]
+    weighed = _agreeing(
+        weighed, {(), *((suspect.effect.name,) for suspect in suspects)}, named, rivals, quiet=quiet
+    )
+    highest = max(one.log_odds for one in weighed)
+    weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
+    return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+
+
+def _agreeing(
+    weighed: list[Hypothesis],
+    judged: set[tuple[str, ...]],
+    named: Sequence[str],
+    rivals: Sequence[str],
+    *,
+    quiet: bool,
+) -> list[Hypothesis]:
+    """Return hypotheses with odds that agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         unknown = [one for one in weighed if one.names not in judged]
         weighed = [
             one if one in unknown else _as_judged(one, weighed, tuple(named), rivals) for one in weighed
         ]
-    elif nameless:
-        farthest = max(nameless) - _apart(len(weighed) - len(nameless))
-        weighed = [
-            replace(one, log_odds=min(one.log_odds, farthest)) if one.has_law else one for one in weighed
-        ]
-    elif quiet:  # nothing is missing
-        usual = next(one.log_odds for one in weighed if not one.names)
-        weighed = [replace(one, log_odds=min(one.log_odds, usual)) for one in weighed]
-    highest = max(one.log_odds for one in weighed)
-    weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
-    return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+    elif nameless or quiet:
+        usual = next(one.log_odds for one in weighed if one.has_law and not one.names)
+        most = max(nameless) - _apart(len(weighed) - len(nameless)) if nameless else usual
+        weighed = [replace(one, log_odds=min(one.log_odds, most)) if one.has_law else one for one in weighed]
+    return weighed
+
+
+def with_rivals(
+    suspects: tuple[Suspect, ...], named: Sequence[str], hypotheses: Sequence[Hypothesis]
+) -> tuple[Suspect, ...]:
+    """Return suspects of which each of several that are named has as rivals what is not distinguishable in its place."""
+    if len(named) < 2:
+        return suspects
+    near = [one.names for one in hypotheses if hypotheses[0].log_odds - one.log_odds < RIVALS_WITHIN]
+    rivals = {
+        name: tuple(names[place] for names in near if len(names) == len(named) and names[place] != name)
+        for place, name in enumerate(named)
+    }
+    return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
 
 
 def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
@@ -144,29 +173,16 @@ def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -
     return 0.5 * (base.chi_square - one.fit.chi_square) / widened - price(base, one.free, scales, widened)
 
 
-def _beside_all(one: Hypothesis, effects: int) -> Hypothesis:
-    """Return a hypothesis with the odds that it has to begin with: nothing is as probable as all `effects` together."""
-    usual = one.has_law and not one.names
-    return replace(one, log_odds=one.log_odds + float(np.log(max(effects, 1)))) if usual else one
-
-
 def _of_shape(base: Fit, widened: float) -> float:
     """Return the evidence (nats) of a law that leaves nothing but noise, each of its knots at BIC's price."""
     gain = 0.5 * max(base.chi_square - widened * base.degrees, 0.0) / widened
     return gain - 0.5 * _FREE_FORM * float(np.log(max(base.degrees, 2)))
 
 
-def _at_rest(baseline: Baseline, suspects: Sequence[Suspect], one: Hypothesis) -> float:
-    """Return what the rest before the releases says of a hypothesis, nats."""
-    own = {s.effect.name: s for s in suspects if s.corrected is None and s.effect.name in one.names}
-    return sum(at_rest(baseline.decays, Candidate(s.term, s.fit, 0.0, 0.0, True)) for s in own.values())
-
-
-def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str], final: Fit) -> Fit:
-    """Return what is named as it is fitted against the noise of all other suspects: `final` has that of its own residual."""
-    if len(named) == 1:
-        return first.fit
-    return fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
+def _at_rest(baseline: Baseline, found: Fit) -> float:
+    """Return what the rest before the releases says of what a fit has beyond the baseline, nats."""
+    added = (term for term in found.model.terms if term.effect.name not in baseline.fit.model)
+    return sum(at_rest(baseline.decays, found, term) for term in added)
 
 
 def _swapped(
@@ -181,18 +197,10 @@ def _swapped(
         others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
         if others:
             less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
-            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS]), polished=_SWAPS):
+            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS])):
                 names = tuple(one.name if n == name else n for n in named)
                 found.append(Hypothesis(names, one.fit, 0.0))
     return found
-
-
-def _between_the_names(baseline: Baseline, suspects: Sequence[Suspect]) -> list[Hypothesis]:
-    """Return the laws of a free exponent that suspects are members of."""
-    tried = tuple(Candidate(s.term, s.fit, s.fit.chi_square, 0.0, True) for s in suspects)
-    goal = float(baseline.fit.degrees)
-    laws = [law for family in FAMILIES for law in from_members(baseline, family, tried, goal)]
-    return [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
 
 
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:

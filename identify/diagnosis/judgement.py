@@ -6,18 +6,16 @@ Here where the floor is reached or sure; off it in `floor_not_reached`. What eac
 from collections.abc import Callable
 from dataclasses import replace
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import may_be_named, with_walk
 from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.diagnosis.nonparametric_force import free_form
-from identify.diagnosis.ranking import Ranked, rivals_of
-from identify.diagnosis.search import Pair
-from identify.diagnosis.several_effects import Triple, several_effects
+from identify.diagnosis.ranking import rivals_of
+from identify.diagnosis.several_effects import Several, several_effects
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import residual_lines
+from identify.diagnosis.suspects import Candidate, residual_lines, score_candidate
 from identify.diagnosis.verdict import Judgement, verdict_of
 from identify.effects.effect import Effect
-from identify.evidence import evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.initial_values import scales_of
@@ -26,7 +24,7 @@ from identify.fitting.model_error import motion_percent, removed_percent
 
 def judge(
     baseline: Baseline,
-    ranked: tuple[Ranked, ...],
+    ranked: tuple[Candidate, ...],
     faults: tuple[CorrectedFault, ...],
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
@@ -38,15 +36,17 @@ def judge(
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
-        judged = _judged(beside.baseline, beside.ranked, library, predict)
-        alone = ranked[0].candidate.fit
+        line, with_line, others = beside
+        judged = _judged(with_line, others, library, predict)
+        alone = ranked[0].fit
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
-            return beside.named_with(judged)
+            first, *rest = judged.ranked
+            return replace(judged, ranked=(first, line, *rest), together=(*judged.together, line.name))
     judged = _judged(baseline, ranked, library, predict)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
-        return replace(judged, verdict="sensor_fault", corrected=True)
+        return replace(judged, verdict="sensor_fault")
     return with_walk(baseline, judged)
 
 
@@ -71,85 +71,53 @@ def large_enough(baseline: Baseline, judgement: Judgement, worth: float) -> Judg
 
 def _judged(
     baseline: Baseline,
-    ranked: tuple[Ranked, ...],
+    ranked: tuple[Candidate, ...],
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Return what is to be said of a model as it is."""
-    top = ranked[0] if ranked else None
-    if top is None or not top.claimed:
-        return _without_claim(baseline, ranked, predict)
-    best = top.candidate
+    """Decide the verdict for a fitted model, without what a sensor's line and faults that every fit corrects say.
+
+    | who reaches the floor | sure floor | guessed floor |
+    |---|---|---|
+    | the model, and nothing is claimed | nothing is missing | the same |
+    | the best claim, with values that make sense | it is named, unless a walk explains as much | `at_a_guess` |
+    | the best claim, with other values | no name | the same |
+    | several effects together | they are named, unless a walk explains as much | not asked: two follow any guess |
+    | none | `by_curves` | the same |
+    """
+    best = ranked[0] if ranked and ranked[0].claimed else None
+    if best is None and baseline.adequate(baseline.fit):
+        return Judgement("nothing_missing", ranked, baseline.fit)
+    if best is None:
+        return by_curves(baseline, ranked, predict(), baseline.fit)
     if baseline.adequate(best.fit):
         if not best.plausible:
             shape = free_form(baseline, baseline.fit)
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
-        alone = Judgement(verdict_of(best), ranked, best.fit)
-        if not baseline.floor_is_sure:
-            return at_a_guess(baseline, alone, predict())
-        return _unless_it_walks(baseline, alone)
-    return _beyond_one(baseline, ranked, library, predict)
-
-
-def _without_claim(
-    baseline: Baseline, ranked: tuple[Ranked, ...], predict: Callable[[], Confirmation | None]
-) -> Judgement:
-    if not baseline.adequate(baseline.fit):
-        return by_curves(baseline, ranked, predict(), baseline.fit)
-    return Judgement("nothing_missing", ranked, baseline.fit)
-
-
-def _beyond_one(
-    baseline: Baseline,
-    ranked: tuple[Ranked, ...],
-    library: tuple[Effect, ...],
-    predict: Callable[[], Confirmation | None],
-) -> Judgement:
-    """Judge where no single effect reaches the floor: a law between the names, two or three together, or the curves.
-
-    More than one effect is fitted to chi-square only where the floor is sure: two follow any guess of it.
-    """
+        named = Judgement(verdict_of(best), ranked, best.fit)
+    else:
+        found = several_effects(baseline, ranked, library) if baseline.floor_is_sure else None
+        if found is None:
+            return by_curves(baseline, ranked, predict(), best.fit)
+        named = _of_several(baseline, ranked, found)
     if not baseline.floor_is_sure:
-        return by_curves(baseline, ranked, predict(), ranked[0].candidate.fit)
-    found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
-    if found.law is not None:
-        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-        law = Ranked(found.law, evidence(baseline.fit, found.law.fit, scales), True)
-        return _unless_it_walks(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
-    several = found.pair or found.triple
-    if several is not None:
-        judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
-        return _unless_it_walks(baseline, judged)
-    return by_curves(baseline, ranked, predict(), found.closest)
-
-
-def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement whose forces are distinguishable from a random walk; else one without a name."""
-    if may_be_named(baseline, judged):
-        return judged
+        return at_a_guess(baseline, named, predict())
+    if may_be_named(baseline, named):
+        return named
     shape = free_form(baseline, baseline.fit)
-    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
+    return Judgement("unknown_effect", named.ranked, baseline.fit, shape=shape)
 
 
-def _of_pair(ranked: tuple[Ranked, ...], pair: Pair) -> Judgement:
-    """Return the judgement that names a pair, the one that is better alone first."""
-    names = (pair.first.name, pair.second.name)
-    first = next(entry for entry in ranked if entry.candidate.name in names)
+def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
+    """Name several effects, the one that is best alone first; a law of a free exponent was not tried alone."""
+    if not any(entry.name in found.names for entry in ranked):
+        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+        law = score_candidate(found.fit, baseline.fit, found.terms[0], scales)
+        ranked = (replace(law, claimed=True), *ranked)
+    first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
-    other = tuple(name for name in names if name != first.candidate.name)
-    return Judgement(verdict_of(first.candidate), (first, *rest), pair.second.fit, other)
-
-
-def _of_three(ranked: tuple[Ranked, ...], three: Triple) -> Judgement:
-    """Return the judgement that names three effects, the one that is best alone first."""
-    first = next(entry for entry in ranked if entry.candidate.name in three.names)
-    rest = tuple(entry for entry in ranked if entry is not first)
-    others = tuple(name for name in three.names if name != first.candidate.name)
-    return Judgement(verdict_of(first.candidate), (first, *rest), three.fit, others)
-
-
-_WORTH_A_MENTION = 6.0
-"""Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
+    others = tuple(name for name in found.names if name != first.name)
+    return Judgement(verdict_of(first), (first, *rest), found.fit, others)
 
 
 def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
@@ -159,39 +127,36 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
     sensors = sorted(
         (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
     )
-    if judgement.corrected:
+    if judgement.verdict == "sensor_fault" and not any(entry.claimed for entry in entries):
         return (*sensors, *entries)
     named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
     first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
     rest = [e for e in entries if e not in first]
-    strong = [s for s in sensors if s.evidence > _WORTH_A_MENTION]
-    weak = [s for s in sensors if s.evidence <= _WORTH_A_MENTION]
-    return (*first, *strong, *rest, *weak)
+    return (*first, *(s for s in sensors if s.claimed), *rest, *(s for s in sensors if not s.claimed))
 
 
-def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: Baseline) -> Suspect:
-    candidate = entry.candidate
+def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, settled: Baseline) -> Suspect:
     is_final = candidate.fit is judgement.final
-    named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
-    confirmed = _confirmed(judgement.confirmation, candidate.name)
+    named = judgement.together and (candidate is judgement.ranked[0] or candidate.name in judgement.together)
+    told = judgement.confirmation.effects if judgement.confirmation is not None else ()
+    confirmed = next((effect for effect in told if effect.name == candidate.name), None)
+    rivals = rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals
+    if named and not is_final and confirmed is None:
+        rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
         error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
         motion_after=motion_percent(settled.fit if is_final else candidate.fit),
-        evidence=entry.evidence,
-        claimed=entry.claimed,
+        evidence=candidate.evidence,
+        claimed=candidate.claimed,
         baseline=baseline,
         fit=candidate.fit,
         last=settled.fit if named or is_final else candidate.fit,
-        rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
+        rivals=rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,
     )
-
-
-def _confirmed(found: Confirmation | None, name: str) -> ConfirmedEffect | None:
-    return next((e for e in found.effects if e.name == name), None) if found is not None else None
 
 
 def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:

@@ -20,9 +20,6 @@ from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_EARLY = 200
-"""Samples of the motion along which a rough size of a force is taken, or one cycle where that has more."""
-
 
 def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
     """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
@@ -68,28 +65,17 @@ def probes(
     problem: Problem,
     term: Term,
     start: dict[str, float],
-    share: float,
-    *,
-    early: bool = False,
 ) -> list[Array]:
     """Return points near a fit at which a force is weakly present, one for each of its linear freedoms.
 
-    `problem` is that of the model with the term, `start` has its inner parameters by their own names; its rms force is a
-    `share` of the acceleration, along the whole motion or, where a rough size will do, `early` in it.
+    `problem` is that of the model with the term, `start` has its inner parameters by their own names.
     """
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    motion = largest.motion
-    cycle = int(2.0 * np.pi / largest.frequency * largest.window.rate) + 1  # a stop may be on the other side
-    until = min(max(_EARLY, cycle), len(largest.time)) if early else len(largest.time)
-    along = (largest.time[:until], motion.displacement[:until], motion.velocity[:until], largest.frequency)
-    force = force_along(term, inner_values(term, inner), *along)
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
-        rms = float(np.sqrt(np.mean(force**2)))
-    if not 0.0 < rms < np.inf:
+    strength = weak_strength(largest, term, inner)
+    if strength is None:
         return []
-    strength = share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
     states = states_of_term(base, term, inner)
     point = base.point | begun | {str(term.strength): strength} | states
     points = [point]
@@ -102,6 +88,16 @@ def probes(
     return [problem.theta(p) for p in points]
 
 
+def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) -> float | None:
+    """Return the strength at which an effect is weakly present along a motion; None where it has none, or runs away."""
+    motion = prepared.motion
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+    force = force_along(term, inner_values(term, inner), *along)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+        rms = float(np.sqrt(np.mean(force**2)))
+    return _PRESENT * float(np.sqrt(np.mean(motion.acceleration**2))) / rms if 0.0 < rms < np.inf else None
+
+
 LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
 
@@ -109,7 +105,7 @@ Starts = tuple[dict[str, float], ...]
 """Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
 
 _PRESENT = 1e-5
-"""Share of the acceleration that the probed force has: it moves the readings by a few units of noise."""
+"""Share of the acceleration that a weakly present force has: it moves the readings by a few units of noise."""
 
 _FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
 """Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
@@ -151,9 +147,7 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
     columns, of = [slope.residual], [-1]
     for place, start in enumerate(starts):
-        moved = [
-            problem.residuals(p) for p in probes(decays, base, problem, term, start, _PRESENT, early=True)
-        ]
+        moved = [problem.residuals(p) for p in probes(decays, base, problem, term, start)]
         if all(np.isfinite(one).all() for one in moved):
             own = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if moved else []
             columns += own

@@ -229,10 +229,7 @@ class _Question:
 
     def ask(self, experiments: Sequence[Experiment]) -> list[ExpectedEvidence]:
         """Return what experiments are expected to tell, those that can be simulated; by linear theory."""
-        found = [
-            expected_evidence(one, self.last, self.considered, pairs=self.pairs, drawn=self.drawn)
-            for one in experiments
-        ]
+        found = [expected_evidence(one, self.last, self.considered, pairs=self.pairs) for one in experiments]
         return [one for one in found if one is not None]
 
     def refitted(self, one: ExpectedEvidence, pairs: Sequence[tuple[int, int]]) -> ExpectedEvidence:

@@ -86,11 +86,10 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
         return NonparametricForce(1.0, 1.0, ())
     blocks = _blocks(prepared)
     chosen: list[str] = []
-    constant = np.ones((len(misfit), 1))
-    best = before = _held_out(constant, [], misfit, folds, inside)
+    best = before = _held_out([], misfit, folds, inside)
     while len(chosen) < _MOST_COORDINATES:
         trials = {
-            name: _held_out(constant, [blocks[c] for c in (*chosen, name)], misfit, folds, inside)
+            name: _held_out([blocks[c] for c in (*chosen, name)], misfit, folds, inside)
             for name in blocks
             if name not in chosen
         }
@@ -119,64 +118,66 @@ def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
     return mask
 
 
-def _held_out(
-    constant: Array, blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]
-) -> float:
+def _held_out(blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]) -> float:
     """Return the mean squared misfit on held-out cycles at the best smoothness."""
     results = []
     for stiffness in _STIFFNESSES if blocks else (1.0,):
         total, count = 0.0, 0
-        for fold, mask in zip(folds, inside, strict=True):
-            fitted = _all(folds) & ~fold
-            weights = _penalised(constant, blocks, misfit, fitted, stiffness)
-            columns = np.column_stack([constant, *blocks])
-            total += float(np.sum((misfit - columns @ weights)[mask] ** 2))
+        for fitted, mask in zip(reversed(folds), inside, strict=True):
+            total += float(np.sum((misfit - _smooth(blocks, misfit, fitted, stiffness))[mask] ** 2))
             count += int(mask.sum())
         results.append(total / count)
     return min(results)
 
 
-def _all(folds: list[Mask]) -> Mask:
-    return np.asarray(np.any(folds, axis=0))
+def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
+    """Return a constant and penalised splines through the misfit that is used, (n,) (Eilers and Marx 1996).
 
-
-def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
-    """Penalised splines (Eilers and Marx 1996): second differences of the coefficients of each block are kept small."""
-    columns = np.column_stack([constant, *blocks])[used]
-    normal = columns.T @ columns
-    place = constant.shape[1]
+    Second differences of the coefficients of each block are kept small.
+    """
+    columns = np.column_stack([np.ones(len(misfit)), *blocks])
+    fitted = columns[used]
+    normal, place = fitted.T @ fitted, 1
     for block in blocks:
         m = block.shape[1]
         bend = np.diff(np.eye(m), 2, axis=0)
         size = float(np.trace(normal[place : place + m, place : place + m])) / m
         normal[place : place + m, place : place + m] += size * (stiffness * bend.T @ bend + 1e-8 * np.eye(m))
         place += m
-    return np.asarray(
-        np.linalg.solve(normal + 1e-12 * np.trace(normal) * np.eye(place), columns.T @ misfit[used])
-    )
+    rounding = 1e-12 * np.trace(normal) * np.eye(place)
+    return np.asarray(columns @ np.linalg.solve(normal + rounding, fitted.T @ misfit[used]))
 
 
-def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array, str]]:
-    motion = prepared.motion
-    unit = prepared.window.unit
-    sign = np.sign(motion.velocity)
+def coordinates(time: Array, u: Array, v: Array) -> dict[str, tuple[Array, Array]]:
+    """Return along a motion the position on each coordinate, and what a curve over it is multiplied by, (n,) each."""
+    sign, one = np.sign(v), np.ones_like(v)
     return {
-        "displacement": (motion.displacement, np.ones_like(sign), unit),
-        "velocity": (motion.velocity, np.ones_like(sign), f"{unit}/s"),
-        "friction over displacement": (motion.displacement, sign, unit),
-        "friction over speed": (np.abs(motion.velocity), sign, f"{unit}/s"),
-        "time (stiffness)": (prepared.time, motion.displacement, "s"),
-        "time (damping)": (prepared.time, motion.velocity, "s"),
-        "time (friction)": (prepared.time, sign, "s"),
+        "displacement": (u, one),
+        "velocity": (v, one),
+        "friction over displacement": (u, sign),
+        "friction over speed": (np.abs(v), sign),
+        "time (stiffness)": (time, u),
+        "time (damping)": (time, v),
+        "time (friction)": (time, sign),
     }
 
 
+def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array]]:
+    return coordinates(prepared.time, prepared.motion.displacement, prepared.motion.velocity)
+
+
+def _unit(coordinate: str, unit: str) -> str:
+    """Return the unit of a coordinate where the displacement has some unit."""
+    if coordinate.startswith("time"):
+        return "s"
+    return unit if "displacement" in coordinate else f"{unit}/s"
+
+
 def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
-    result = {}
-    for name, (position, factor, _) in _coordinates(prepared).items():
-        count = _KNOTS.get(name, _KNOTS["time"])
-        result[name] = _splines(position, count) * factor[:, None]
-    return result
+    return {
+        name: _splines(position, _KNOTS.get(name, _KNOTS["time"])) * factor[:, None]
+        for name, (position, factor) in _coordinates(prepared).items()
+    }
 
 
 def _splines(position: Array, count: int) -> Array:
@@ -193,10 +194,8 @@ def _shapes(
     """Return each coordinate's own regression of the misfit, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()
-    for name, (position, _, unit) in _coordinates(prepared).items():
-        constant = np.ones((len(target), 1))
-        weights = _penalised(constant, [blocks[name]], target, used, 1e-2)
-        left = float(np.sum((target - np.column_stack([constant, blocks[name]]) @ weights)[used] ** 2))
+    for name, (position, _) in _coordinates(prepared).items():
+        left = float(np.sum((target - _smooth([blocks[name]], target, used, 1e-2))[used] ** 2))
         order = np.argsort(position[used])
         low, high = position[used][order[[0, -1]]]
         edges = np.linspace(low, high, 41)
@@ -207,6 +206,7 @@ def _shapes(
         mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
         square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count
         std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
+        unit = _unit(name, prepared.window.unit)
         ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
 

@@ -4,7 +4,7 @@ Evidence at rest: a hum is there before the release, a force that shakes the mas
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,64 +15,61 @@ from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import scales_of
+from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
 
-@dataclass(frozen=True, eq=False)
-class Ranked:
-    """A candidate with its evidence (nats), and whether it may be `claimed`."""
-
-    candidate: Candidate
-    evidence: float
-    claimed: bool
-
-
-def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
+def rivals_of(entry: Candidate, ranked: tuple[Candidate, ...]) -> tuple[str, ...]:
     """Return the names of the claimed candidates that explain the record as well as one of them does."""
     if not entry.claimed:
         return ()
     return tuple(
-        other.candidate.name
+        other.name
         for other in ranked
         if other is not entry and other.claimed and abs(other.evidence - entry.evidence) < RIVALS_WITHIN
     )
 
 
-def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Ranked, ...]:
+def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest.
 
     Claims are made where it is improbable that nothing is missing; of those that are better than nothing by as much.
     """
     widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    nats = [evidence(baseline.fit, c.fit, scales, widened) + at_rest(baseline.decays, c) for c in tried]
+    nats = [
+        evidence(baseline.fit, c.fit, scales, widened) + at_rest(baseline.decays, c.fit, c.term)
+        for c in tried
+    ]
     doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
     sure = nothing(nats) < doubt
-    ranked = (Ranked(c, n, sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True))
+    ranked = (
+        replace(c, evidence=n, claimed=sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True)
+    )
     return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
 
 
-def line_of_sensor_first(ranked: tuple[Ranked, ...], *, by_gain: bool = False) -> tuple[Ranked, ...]:
+def line_of_sensor_first(ranked: tuple[Candidate, ...], *, by_gain: bool = False) -> tuple[Candidate, ...]:
     """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
     leads where it has as good evidence; `by_gain`, where no rest tells the two apart, also where it leaves as little: how
     far chance reaches is unsure for each alone.
     """
-    if not ranked or not ranked[0].claimed or not ranked[0].candidate.term.is_force:
+    if not ranked or not ranked[0].claimed or not ranked[0].term.is_force:
         return ranked
-    hum = next((e for e in ranked if e.candidate.term.effect.line and not e.candidate.term.is_force), None)
-    if hum is None or not hum.claimed or not hum.candidate.plausible:
+    hum = next((e for e in ranked if e.term.effect.line and not e.term.is_force), None)
+    if hum is None or not hum.claimed or not hum.plausible:
         return ranked
-    gain = ranked[0].candidate.gain - hum.candidate.gain
+    gain = hum.fit.chi_square - ranked[0].fit.chi_square
     if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and not (by_gain and gain <= 2.0 * RIVALS_WITHIN):
         return ranked
     return (hum, *(entry for entry in ranked if entry is not hum))
 
 
-def _order(entry: Ranked) -> tuple[int, float]:
-    tier = 2 if not entry.claimed else 0 if entry.candidate.plausible else 1
+def _order(entry: Candidate) -> tuple[int, float]:
+    tier = 2 if not entry.claimed else 0 if entry.plausible else 1
     return tier, -entry.evidence
 
 
@@ -107,36 +104,36 @@ _SAME = 4.0
 """Standard errors within which two frequencies are one."""
 
 
-def at_rest(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:
-    """Return how much better a sensor's fault explains the rest before the release than a constant, in nats.
+def at_rest(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
+    """Return how much better a sensor's fault of a fit explains the rest before the release than a constant, in nats.
 
     Negative where the fault ought to show at rest and does not, and for a force whose line a sensor shows while the mass is
     held; 0 for everything that says nothing of the rest.
     """
-    effect, channel = candidate.term.effect, candidate.term.channel
-    if candidate.term.is_force:
-        return _line_of_held_mass(decays, candidate) if effect.line else 0.0
+    effect, channel = term.effect, term.channel
+    if term.is_force:
+        return _line_of_held_mass(decays, found, term) if effect.line else 0.0
     if not isinstance(effect, SensorFault) or not effect.shows_at_rest:
         return 0.0
     total = 0.0
     for i, prepared in enumerate(decays):
         if prepared.rest is None or channel not in prepared.rest.readings:
             continue
-        found = candidate.fit.of(candidate.term, i)
-        p = np.array([found[q.name].value for q in effect.parameters])
+        values = found.of(term, i)
+        p = np.array([values[q.name].value for q in effect.parameters])
         readings = prepared.rest.readings[channel]
         still = readings - readings.mean()
         fault = effect.observe(prepared.rest.time, np.zeros(len(readings)), p)
         left = still - (fault - fault.mean())
-        sigma = max(candidate.fit.windows[i].sigma[channel], float(np.std(left)) * 0.5)
+        sigma = max(found.windows[i].sigma[channel], float(np.std(left)) * 0.5)
         total += 0.5 * float(still @ still - left @ left) / sigma**2
     return total
 
 
-def _line_of_held_mass(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:
+def _line_of_held_mass(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
     """Return the evidence, below 0, against a line of a force at a frequency that stands in a sensor's rest."""
-    name = next(p.name for p in candidate.term.effect.parameters if p.unit == "Hz")
-    frequency = candidate.fit.of(candidate.term)[name].value
+    name = next(p.name for p in term.effect.parameters if p.unit == "Hz")
+    frequency = found.of(term)[name].value
     against = 0.0
     for prepared in decays:
         for colour in prepared.rest_colour.values():

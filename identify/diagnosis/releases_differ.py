@@ -11,9 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.diagnosis.ranking import Ranked, rank
-from identify.diagnosis.search import singles
-from identify.effects.effect import Effect
+from identify.diagnosis.suspects import Candidate
 from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, refit_at_floor
 from identify.fitting.fit import Fit, fit
@@ -37,31 +35,19 @@ def where_releases_differ(baseline: Baseline) -> Baseline:
     return _with(baseline, own) if surprise(baseline.fit, own) > SURE else baseline
 
 
-def decided_anew(
-    first: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
-) -> tuple[Baseline, tuple[Ranked, ...]]:
-    """Return the baseline and its suspects, all tried again where these say otherwise whether the releases differ.
-
-    `first` is the baseline with one spring and damper for all releases.
-    """
-    again = _on_second_thought(first, baseline, ranked)
-    if again is baseline:
-        return baseline, ranked
-    return again, rank(again, singles(again, library))
-
-
-def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
+def on_second_thought(first: Baseline, baseline: Baseline, ranked: tuple[Candidate, ...]) -> Baseline:
     """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
 
+    `first` is the baseline with one spring and damper for all releases.
     Where the best suspect has made the releases differ, they share spring and damper; where it leaves that they do, or is
     not told from that (4.6 nats), each has its own: that releases differ is the lesser claim.
     """
     top = ranked[0] if ranked and ranked[0].claimed else None
     if top is None:
         return baseline
-    best = top.candidate.fit
-    if baseline is not before:
-        return before if shared_where_alike(best) is not best else baseline
+    best = top.fit
+    if baseline is not first:
+        return first if shared_where_alike(best) is not best else baseline
     if not _may_differ(best):
         return baseline
     own = of_each(baseline.fit)

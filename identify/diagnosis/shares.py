@@ -5,8 +5,7 @@ Over a cycle of a harmonic motion an effect has a largest force, takes a part of
 method: the parameters are moved one at a time, and what the shares change by is their derivative.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -111,19 +110,6 @@ def _last_amplitude(decay: PreparedDecay) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Action:
-    """What one force does over a cycle: `damping` (1/s), change of w^2 `stiffening` (1/s^2), and the force (n,), m/s^2.
-
-    Of a line the force is its amplitude, and the others are nan, as they are where a memory does not become periodic.
-    """
-
-    damping: float
-    stiffening: float
-    force: Array
-    line: bool
-
-
-@dataclass(frozen=True, eq=False)
 class _Cycle:
     """The forces of a model over one cycle of some `amplitude`, `time` s after the release; `frequency` in rad/s."""
 
@@ -131,26 +117,39 @@ class _Cycle:
     amplitude: float
     time: float
     frequency: float
+    known: dict[tuple[str, frozenset[tuple[str, float]]], tuple[float, float, Array]] = field(
+        default_factory=dict
+    )
 
-    def action(self, term: Term, values: dict[str, float]) -> _Action:
-        """Return what one force does at some values, by unknown's name."""
-        own = values | {p.name: values[str(term.parameter(p.name))] for p in term.free} | term.held_values
+    def action(self, term: Term, values: dict[str, float]) -> tuple[float, float, Array]:
+        """Return the damping (1/s), the change of w^2 (1/s^2) and the force (n,), m/s^2, of one effect at some values.
+
+        Of a line the force is its amplitude, and the others are nan, as they are where a memory does not become periodic.
+        """
+        shared = {name: values[name] for name in term.force.shared_parameters}
+        own = shared | {p.name: values[str(term.parameter(p.name))] for p in term.free} | term.held_values
+        key = term.effect.name, frozenset(own.items())
+        if key not in self.known:
+            self.known[key] = self._action(term, own)
+        return self.known[key]
+
+    def _action(self, term: Term, own: dict[str, float]) -> tuple[float, float, Array]:
         if term.effect.line:
-            return _Action(np.nan, np.nan, np.array([abs(own[term.effect.strength.name])]), True)
+            return np.nan, np.nan, np.array([abs(own[term.effect.strength.name])])
         found = average(term.force, own, self.frequency, np.array([self.amplitude]), time=self.time)
         force = force_over_cycle(term.force, own, self.frequency, self.amplitude, self.time)
         if not found.settled:
-            return _Action(np.nan, np.nan, force, False)
-        return _Action(float(found.damping[0]), float(found.stiffening[0]), force, False)
+            return np.nan, np.nan, force
+        return float(found.damping[0]), float(found.stiffening[0]), force
 
-    def columns(self, actions: Sequence[_Action]) -> Array:
+    def columns(self, values: dict[str, float]) -> Array:
         """Return largest force, its share in %, share of the loss in %, shift in Hz and in % of each force, (terms, 5)."""
-        peaks = np.array([float(np.max(np.abs(action.force))) for action in actions])
-        whole = sum(peak for peak, action in zip(peaks, actions, strict=True) if action.line)
-        moving = [action.force for action in actions if not action.line]
-        whole += float(np.max(np.abs(np.sum(moving, axis=0)))) if moving else 0.0
-        damping = np.array([action.damping for action in actions])
-        stiffening = np.array([action.stiffening for action in actions])
+        actions = [self.action(term, values) for term in self.terms]
+        peaks = np.array([float(np.max(np.abs(force))) for _, _, force in actions])
+        lines = np.array([term.effect.line for term in self.terms])
+        moving = [force for (_, _, force), line in zip(actions, lines, strict=True) if not line]
+        whole = peaks[lines].sum() + (float(np.max(np.abs(np.sum(moving, axis=0)))) if moving else 0.0)
+        damping, stiffening = (np.array([action[place] for action in actions]) for place in (0, 1))
         lost, size = float(np.nansum(damping)), float(np.nansum(np.abs(damping)))
         damping[np.abs(damping) < _NOTHING * size] = 0.0
         stiffening[np.abs(stiffening) < _NOTHING * self.frequency**2] = 0.0
@@ -159,16 +158,16 @@ class _Cycle:
         hertz, percent = shift / (2.0 * np.pi), 100.0 * shift / self.frequency
         return np.column_stack([peaks, 100.0 * peaks / max(whole, 1e-300), 100.0 * loss, hertz, percent])
 
-    def errors(self, fit: Fit, values: dict[str, float], actions: Sequence[_Action]) -> Array:
+    def errors(self, fit: Fit, values: dict[str, float]) -> Array:
         """Return the standard errors of the same columns, by the delta method, the frequency held, (terms, 5)."""
         known = [
             at
             for at, unknown in enumerate(fit.unknowns)
             if unknown.name in values and np.isfinite(fit.values[unknown.name].std)
         ]
-        gradient = np.zeros((len(known), len(actions), _COLUMNS))
+        gradient = np.zeros((len(known), len(self.terms), _COLUMNS))
         for row, at in enumerate(known):
-            gradient[row] = self._slope(fit, at, values, actions)
+            gradient[row] = self._slope(fit, at, values)
         covariance = fit.covariance[np.ix_(known, known)]
         std = np.sqrt(np.maximum(np.einsum("pij,pq,qij->ij", gradient, covariance, gradient), 0.0))
         for i, term in enumerate(self.terms):
@@ -176,27 +175,14 @@ class _Cycle:
                 std[i] = np.inf
         return np.asarray(std)
 
-    def _slope(self, fit: Fit, at: int, values: dict[str, float], actions: Sequence[_Action]) -> Array:
+    def _slope(self, fit: Fit, at: int, values: dict[str, float]) -> Array:
         """Return the derivative of the columns with respect to one unknown, within its bounds."""
         unknown = fit.unknowns[at]
         value, std = values[unknown.name], fit.values[unknown.name].std
         step = _STEP * (min(std, abs(value)) if value != 0.0 else std)
         low, high = max(value - step, unknown.low), min(value + step, unknown.high)
-        ends = [
-            self.columns(
-                [
-                    self.action(term, values | {unknown.name: end}) if _moves(unknown.name, term) else old
-                    for term, old in zip(self.terms, actions, strict=True)
-                ]
-            )
-            for end in (low, high)
-        ]
-        return np.nan_to_num((ends[1] - ends[0]) / (high - low)) if high > low else np.zeros_like(ends[0])
-
-
-def _moves(name: str, term: Term) -> bool:
-    """Whether a force depends on an unknown, its own or shared."""
-    return name in term.force.shared_parameters or name in {str(term.parameter(p.name)) for p in term.free}
+        first, last = (self.columns(values | {unknown.name: end}) for end in (low, high))
+        return np.nan_to_num((last - first) / (high - low)) if high > low else np.zeros_like(first)
 
 
 def _at(found: Fit, amplitude: float, time: float, unit: str, mass: float | None) -> AmplitudeShares | None:
@@ -206,13 +192,11 @@ def _at(found: Fit, amplitude: float, time: float, unit: str, mass: float | None
     if not terms:
         return None
     cycle = _Cycle(terms, amplitude, time, found.frequency)
-    actions = [cycle.action(term, values) for term in terms]
     if spring is not None:
-        squared = values[str(spring)] + float(np.nansum([action.stiffening for action in actions]))
+        squared = values[str(spring)] + float(np.nansum([cycle.action(term, values)[1] for term in terms]))
         if squared > 0.0:
-            cycle = replace(cycle, frequency=float(np.sqrt(squared)))
-            actions = [cycle.action(term, values) for term in terms]
-    columns, std = cycle.columns(actions), cycle.errors(found, values, actions)
+            cycle = _Cycle(terms, amplitude, time, float(np.sqrt(squared)))
+    columns, std = cycle.columns(values), cycle.errors(found, values)
     scale, force = _force_unit(unit, mass)
     columns[:, 0] *= scale
     std[:, 0] *= scale

@@ -5,7 +5,6 @@ from typing import Literal
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.fitting.fit import Fit
 from identify.fitting.random_walk import RandomWalk
@@ -33,22 +32,20 @@ HEADLINES: dict[Verdict, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """What is to be said of a model.
+    """The verdict on a model, and what goes with it.
 
-    `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
-    the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
-    that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
-    predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a
-    name is not told from it, or where it is what is left beside a name; None elsewhere.
+    `ranked` are the candidates, what the verdict names first; `together` the other effects where it takes several; `final`
+    the fit with what was found; `shape` the free form, when something is missing that has no name. `confirmation` is what
+    curves predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
+    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a name
+    is not told from it, or where it is what is left beside a name; None elsewhere.
     """
 
     verdict: Verdict
-    ranked: tuple[Ranked, ...]
+    ranked: tuple[Candidate, ...]
     final: Fit
     together: tuple[str, ...] = ()
     shape: NonparametricForce | None = None
-    corrected: bool = False
     confirmation: Confirmation | None = None
     too_small: float = 0.0
     walk: RandomWalk | None = None

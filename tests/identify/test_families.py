@@ -8,7 +8,7 @@ from releases import drawn
 from scipy.special import gamma
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.free_exponent import families
+from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.suspects import try_terms
 from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
 from identify.effects.library import LIBRARY, find_effect
@@ -103,6 +103,6 @@ def test_a_law_of_a_free_exponent_begins_at_its_members():
     prepared, _ = drawn("cubic_stiffness", 0.02, seed=52, seconds=4.0)
     baseline = fit_baseline((prepared,), base_model())
     members = try_terms(baseline.decays, baseline.fit, (Term(find_effect("cubic_stiffness")),))
-    law = next(c for c in families(baseline, members) if c.name == "power_law_stiffness")
+    law = laws_of_free_exponent(baseline, [members[0].name])[0]
     assert law.fit.chi_square <= members[0].fit.chi_square + 0.1  # one more number cannot leave more
     assert law.fit.values["power_law_stiffness.p"].value == pytest.approx(3.0, abs=0.1)

@@ -5,8 +5,8 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.search import singles
 from identify.diagnosis.several_effects import FewReleases
+from identify.diagnosis.suspects import singles
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline

@@ -49,10 +49,10 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
     noisy = run.y[0] + 1e-3 * np.random.default_rng(1).standard_normal(len(time))
     ground = first_step((prepare(FreeDecay(50.0, noisy, unit="rad")),))
     found = add_effect(ground, find_effect("pendulum_stiffness")).fit
-    candidate = Candidate(found.model.terms[-1], found, found.chi_square, 0.0, True)
+    candidate = Candidate(found.model.terms[-1], found, 0.0, plausible=True)
     assert is_predicted(candidate) == predicted
     cubic = add_effect(ground, find_effect("cubic_stiffness")).fit
-    assert not is_predicted(Candidate(cubic.model.terms[-1], cubic, cubic.chi_square, 0.0, True))
+    assert not is_predicted(Candidate(cubic.model.terms[-1], cubic, 0.0, plausible=True))
 
 
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():

@@ -5,7 +5,7 @@ import pytest
 from releases import drawn, ready
 
 from identify.diagnosis.ranking import rank
-from identify.diagnosis.search import singles
+from identify.diagnosis.suspects import singles
 from identify.effects.library import find_effect
 from identify.evidence import _cost, evidence, nothing
 from identify.fitting.baseline import fit_baseline

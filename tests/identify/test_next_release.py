@@ -25,13 +25,12 @@ def small_cubic():
 
 def test_a_refit_with_a_prior_keeps_what_least_squares_keeps():
     random = np.random.default_rng(1)
-    jacobian, misfit, off = random.normal(size=(3, 40)), random.normal(size=(40, 2)), random.normal(size=3)
+    jacobian, misfit, off = random.normal(size=(3, 40)), random.normal(size=40), random.normal(size=3)
     root = random.normal(size=(3, 3))
     # The prior as three further readings, of which least squares knows nothing else.
-    for column, kept in zip(misfit.T, _kept(jacobian, root.T @ root, misfit, off), strict=True):
-        rows, target = np.vstack([jacobian.T, root]), -np.concatenate([column, root @ off])
-        left = np.linalg.lstsq(rows, target)[1][0]
-        assert kept == pytest.approx(left, rel=1e-9)  # rounding
+    rows, target = np.vstack([jacobian.T, root]), -np.concatenate([misfit, root @ off])
+    left = np.linalg.lstsq(rows, target)[1][0]
+    assert _kept(jacobian, root.T @ root, misfit, off) == pytest.approx(left, rel=1e-9)  # rounding
 
 
 def test_what_a_record_does_not_determine_is_left_where_it_is():

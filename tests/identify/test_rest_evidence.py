@@ -12,20 +12,20 @@ from identify.model.model import Term, base_model
 from mocks.imperfections import ALIASED_LINE
 
 
-def candidate(prepared, name, frequency):
+def fitted_at(prepared, name, frequency):
     term = Term(find_effect(name), {"channel": "displacement"} if name == "mains_hum" else {})
     base = fit_baseline((prepared,), base_model()).fit
-    found = try_terms((prepared,), base, (term,), polished=1)[0]
+    found = try_terms((prepared,), base, (term,))[0]
     values = found.fit.values | {str(term.parameter("f")): Estimate(frequency, 0.01, "Hz")}
-    return replace(found, fit=replace(found.fit, values=values))
+    return replace(found.fit, values=values), term
 
 
 def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_forces():
     prepared, _ = drawn(None, 0.0, 1000, imperfections=(ALIASED_LINE,))
     lines = [line for colour in prepared.rest_colour.values() for line in colour.lines]
     strongest = max(lines, key=lambda line: line.power)
-    assert at_rest((prepared,), candidate(prepared, "harmonic_forcing", strongest.frequency)) < DENIED
-    assert at_rest((prepared,), candidate(prepared, "harmonic_forcing", strongest.frequency + 5.0)) == 0.0
+    assert at_rest((prepared,), *fitted_at(prepared, "harmonic_forcing", strongest.frequency)) < DENIED
+    assert at_rest((prepared,), *fitted_at(prepared, "harmonic_forcing", strongest.frequency + 5.0)) == 0.0
 
 
 def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_shaking_beside_a_force():

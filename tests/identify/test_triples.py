@@ -2,7 +2,7 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.search import promising_triples
+from identify.diagnosis.search import promising_sets
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY
 from identify.fitting.initial_values import scales_of
@@ -14,7 +14,7 @@ THREE = "hysteresis+cubic_stiffness+quadratic_damping"
 def screened(hidden, seed=71):
     prepared = drawn(hidden, 0.02, seed, amplitude=0.02)[0]
     terms = candidate_terms(base_model(), LIBRARY, prepared.window)
-    return promising_triples(prepared, base_model(), terms, scales_of(prepared, {}))
+    return promising_sets(prepared, base_model(), terms, scales_of(prepared, {}))[1]
 
 
 def test_three_effects_lead_the_screening_though_pairs_of_them_do_not():
@@ -22,7 +22,7 @@ def test_three_effects_lead_the_screening_though_pairs_of_them_do_not():
 
 
 def test_where_two_effects_are_hidden_no_third_has_anything_to_explain():
-    assert screened("cubic_stiffness+quadratic_damping") == ()
+    assert screened("cubic_stiffness+quadratic_damping") == []
 
 
 @pytest.mark.slow

@@ -1,0 +1,179 @@
+"""The first steps of a fit with one more effect: from the starts that promise most, its inner parameters held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.diagnosis.linear_gain import (
+    LINEAR_UP_TO,
+    Slope,
+    Starts,
+    likeliest,
+    probes,
+    states_of_term,
+    weak_strength,
+    with_fault,
+)
+from identify.effects.effect import Scales
+from identify.fitting.block_jacobian import BlockJacobian
+from identify.fitting.fit import FAR_OFF, Fit
+from identify.fitting.initial_values import initial_values, regress_model, scales_of, term_starts
+from identify.fitting.jacobian import linearise, take_steps
+from identify.fitting.levenberg_marquardt import minimise
+from identify.fitting.problem import Problem
+from identify.model.model import Term
+from identify.model.parameter_id import nuisance
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+_STARTS = 3
+"""Places from which the fit of a force begins."""
+
+_BY_LINEAR_GAIN = 2
+"""How many of them are those of the largest linear gains, where these are known; equation error gives the others."""
+
+_DAMPING, _NO_DAMPING = 1e-3, 1e-9
+"""Damping of the first step, and of that of a force that is hardly there: one that is mostly spring or damper would not get
+far with more."""
+
+_FIRST_STEPS = 5
+
+_ASTRAY = 1.1
+"""Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """A term after the first steps, with its inner parameters held."""
+
+    term: Term
+    problem: Problem
+    theta: Array
+    cost: float
+
+
+def begin(
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    slope: Slope | None,
+    term: Term,
+    scales: Scales,
+    goal: float,
+    *,
+    by_gain: bool,
+) -> Beginning | None:
+    """Return the best of the first steps from a few starts; None where a fault has none.
+
+    If `by_gain`, near the floor, a force begins hardly there at the places of its largest linear gains, where it grows as
+    far as these predict; then at the strengths of the equation error. Where both lead away it begins hardly there from all
+    starts: no model need lose to its own part.
+    """
+    model, coarse = base.model.plus(term), base.reduced > FAR_OFF
+    problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
+    effect = term.effect
+    held = np.array([u.id.effect == effect.name and u.id.parameter in effect.inner for u in problem.unknowns])
+
+    def best_of(points: list[Array], damping: float) -> list[Beginning]:
+        found = []
+        for point in points:
+            theta = np.clip(point, problem.low, problem.high)
+            begun = None if slope is None else _from_slope(slope, problem, theta, held)
+            end = minimise(
+                problem,
+                theta,
+                steps=_FIRST_STEPS,
+                tolerance=1.0,
+                held=held,
+                begun=begun,
+                goal=goal,
+                damping=damping,
+            )
+            found.append(Beginning(term, problem, end.theta, end.cost))
+        return sorted((one for one in found if np.isfinite(one.cost)), key=lambda one: one.cost)[:1]
+
+    def hardly_there(places: Starts) -> list[Array]:
+        return [p for place in places for p in probes(decays, base, problem, term, place)[:1]]
+
+    starts: Starts = term_starts(term, scales)
+    likely: Starts = ()
+    if by_gain and slope is not None:
+        likely = likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
+    if _has_free_state(problem, term):  # of hardly any strength it could be as large as any by its state
+        points = _promising(decays, base, problem, term, likely, _STARTS)
+        found = best_of(points + _promising(decays, base, problem, term, starts, _STARTS), _DAMPING)
+    else:
+        found = best_of(hardly_there(likely), _NO_DAMPING)
+        points = _promising(decays, base, problem, term, starts, _STARTS - len(likely))
+        found += best_of(points, _DAMPING)
+    if term.is_force and not any(one.cost <= _ASTRAY * base.chi_square for one in found):
+        found += best_of(hardly_there(starts[:_STARTS]), _NO_DAMPING)
+    return min(found, key=lambda one: one.cost, default=None)
+
+
+def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
+    """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
+    known_at = slope.problem.index
+    take_steps(problem, slope.problem)
+    known = np.array([unknown.name in known_at for unknown in problem.unknowns])
+    residual, jacobian = linearise(problem, theta, skip=known | held)
+    for at, unknown in enumerate(problem.unknowns):
+        if known[at]:
+            before = slope.jacobian.of_unknown(known_at[unknown.name])
+            for (_, row), (_, values) in zip(jacobian.of_unknown(at), before, strict=True):
+                row[:] = values
+    return residual, jacobian
+
+
+def _has_free_state(problem: Problem, term: Term) -> bool:
+    """Whether a force has a state at the start that is unknown and without bounds."""
+    return any(
+        u.id.role == "state" and u.id.effect == term.effect.name and np.isinf(u.high)
+        for u in problem.unknowns
+    )
+
+
+def _promising(
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    problem: Problem,
+    term: Term,
+    starts: Starts,
+    few: int,
+) -> list[Array]:
+    """Return complete starting points: the base's values with the term added at the strength of the equation error.
+
+    Where the base is far off, all values come from the equation error. The best `few` by equation error are kept.
+    """
+    if not term.is_force:
+        return [problem.theta(_with_fault(base, term, start, scales_of(decays[0], {}))) for start in starts]
+    model, strength = problem.model, str(term.strength)
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
+    place = [t.effect.name for t in model.forces].index(term.effect.name)
+    physics = {name: estimate.value for name, estimate in base.parameters.items()}
+    ranked: list[tuple[float, dict[str, float]]] = []
+    for start in starts:
+        inner = physics | term.by_name(start)
+        regression = regress_model(largest, model, inner)
+        possible = term.effect.strength.low <= regression.strengths[place] <= term.effect.strength.high
+        ranked.append((regression.rss if possible else np.inf, inner))
+    ranked.sort(key=lambda entry: entry[0])
+    points = []
+    for rss, inner in ranked[:few]:
+        point = initial_values(decays, model, inner)
+        if not np.isfinite(rss):
+            point[strength] = weak_strength(largest, term, inner) or 0.0
+        if base.reduced < LINEAR_UP_TO:
+            point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
+        points.append(problem.theta(point))
+    return points
+
+
+def _with_fault(base: Fit, term: Term, start: dict[str, float], scales: Scales) -> dict[str, float]:
+    """Return a fit's values with a sensor's fault, and the lag that it would have been taken for undone."""
+    point, count = with_fault(base, term, start), len(base.windows)
+    if term.fault.seems_lag is not None:
+        early = term.fault.seems_lag(tuple(start.values()), scales)
+        early *= -1.0 if term.channel == "acceleration" else 1.0
+        lags = [str(nuisance("lag", i, count)) for i in range(count)]
+        point |= {lag: point[lag] + early for lag in lags if lag in point}
+    return point
