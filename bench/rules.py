@@ -1,29 +1,28 @@
 """Every rule earns its place: each constant of the judge halved and doubled, and what that does to the verdicts.
 
-A constant that no verdict misses is a rule to delete. Numbers that bound a search or a step belong to the numerics: a
-verdict that hangs on one of these is a fault.
+A constant that no verdict misses is a rule to delete.
 """
 
-import ast
-import importlib
 import os
 import sys
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a process a core is enough
 
-import identify
-from identify.diagnosis.diagnose import diagnose
+from bench.rigs import DATA, RIGS, sessions_of
+from identify import priors
+from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 
 TITLE = "Every rule earns its place"
-ROOMS = ("evidence", "diagnosis", "curves", "fitting")
 WORKERS = int(os.environ.get("BENCH_WORKERS", "2"))
 GAIN_UNCERTAINTY = 2e-4
 
@@ -59,14 +58,21 @@ RECORDS = (
     Record("quadratic_damping", 0.03, 8112, paired=False),
     Record("cubic_stiffness", 0.01, 8113, paired=False),
     Record("stribeck_friction", 0.03, 8114, paired=False),
+    Record("hysteresis", 0.03, 8115, paired=False),
+    Record("settling_stiffness", 0.03, 8116, paired=False),
 )
+
+REAL = (
+    "pendulum in air", "pendulum in water", "pendulum from 1.6 rad", "pendulum, filmed", "coil shorted", "tower alone",
+    "gauge with sphere", "beam", "ship", "disc",
+)  # fmt: skip
+"""Rigs whose releases are judged one by one, and together where these are two or three."""
 
 
 @dataclass(frozen=True)
 class Constant:
-    """A number at the top of a module: where, its name and its value."""
+    """A number of identify/priors.py: its name and its value."""
 
-    module: str
     name: str
     value: float
 
@@ -77,27 +83,53 @@ class Constant:
 
 
 def constants() -> Iterator[Constant]:
-    """Yield the numbers that stand alone at the top of the judge's modules."""
-    for room in ROOMS:
-        for path in sorted((Path(identify.__file__).parent / room).glob("*.py")):
-            module = f"identify.{room}.{path.stem}"
-            for statement in ast.parse(path.read_text(encoding="utf-8")).body:
-                if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
-                    value = getattr(importlib.import_module(module), statement.targets[0].id)
-                    if type(value) in (int, float):
-                        yield Constant(module, statement.targets[0].id, value)
+    """Yield the numbers of the priors; the grids (SIZES, STRENGTHS, NOISE) and LEAKS are none."""
+    for name, value in vars(priors).items():
+        if name.isupper() and type(value) in (int, float):
+            yield Constant(name, value)
+
+
+@cache
+def rigs() -> dict[str, tuple[str, ...]]:
+    """Import the rigs; return the sessions of each diagnosis by its title. None where the recordings are not there."""
+    folder, found = Path(tempfile.mkdtemp()), dict[str, tuple[str, ...]]()
+    for rig in RIGS if DATA.is_dir() else ():
+        if rig.title in REAL:
+            names = sessions_of(rig, folder)
+            found |= {f"{rig.title} {number}": (name,) for number, name in enumerate(names, 1)}
+            if 1 < len(names) < 4:
+                found[f"{rig.title} together"] = tuple(names)
+    return found
 
 
 def said(record: Record) -> str:
     """Return the verdict on a record, with what it names and what it cannot distinguish from that."""
     sample = draw(record.hidden, record.strength, record.seed)
     decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration if record.paired else None)
+    return _told(lambda: diagnose(prepare(decay, gain_uncertainty=GAIN_UNCERTAINTY)))
+
+
+def said_of_rig(names: tuple[str, ...]) -> str:
+    """Return the same of some sessions."""
+    from station.operations.diagnosing import diagnose_sessions
+    from station.operations.session_set import open_sessions
+    from station.settings import Settings
+
+    return _told(lambda: diagnose_sessions(open_sessions(names, Settings()))[0])
+
+
+def _told(judge: Callable[[], Diagnosis]) -> str:
     try:
-        found = diagnose(prepare(decay, gain_uncertainty=GAIN_UNCERTAINTY))
+        found = judge()
     except Exception as error:  # what a constant breaks is an outcome
         return f"{type(error).__name__}: {error}"
     rivals = {name for s in found.suspects if s.effect.name in found.named for name in s.rivals}
     return " ".join((found.verdict, "+".join(sorted(found.named)), "/".join(sorted(rivals))))
+
+
+def titles() -> list[str]:
+    """Return what is judged, in a few words each."""
+    return [*(record.title for record in RECORDS), *rigs()]
 
 
 def with_constant(change: tuple[Constant, float] | None) -> list[str]:
@@ -106,43 +138,39 @@ def with_constant(change: tuple[Constant, float] | None) -> list[str]:
         constant, factor = change
         for module in _users(constant):
             setattr(module, constant.name, constant.times(factor))
-    return [said(record) for record in RECORDS]
+    return [*(said(record) for record in RECORDS), *(said_of_rig(names) for names in rigs().values())]
 
 
 def _users(constant: Constant) -> Iterator[ModuleType]:
-    """Yield the modules that know a constant: its own, and those that import it by name."""
-    own = sys.modules[constant.module]
-    yield own
+    """Yield the loaded modules that know a constant: the priors, and those that import it by name."""
     for module in tuple(sys.modules.values()):
-        path = getattr(module, "__file__", None)
-        if module is not own and path and module.__name__.startswith("identify."):
-            tree = ast.parse(Path(path).read_text(encoding="utf-8"))
-            for node in ast.walk(tree):
-                names = {alias.name for alias in node.names} if isinstance(node, ast.ImportFrom) else set()
-                if constant.name in names and getattr(node, "module", "") == constant.module:
-                    yield module
+        if module.__name__.startswith("identify.") and getattr(module, constant.name, None) is not None:
+            yield module
 
 
 def run(quick: bool) -> str:
-    """Return the table as markdown: the constants that turn a verdict, and how many turn none."""
-    every = list(constants())
-    every = every[::20] if quick else every
+    """Return the table as markdown: what half and twice each constant changes."""
+    every = list(constants())[:: 6 if quick else 1]
     changes = [(c, factor) for c in every for factor in (0.5, 2.0)]
+    judged = titles()
+    with_constant(None)  # all modules that use a constant are loaded before one is moved
     with get_context("fork").Pool(WORKERS, maxtasksperchild=1) as pool:  # each change in a process of its own
         usual, *changed = pool.map(with_constant, [None, *changes], chunksize=1)
-    rows = []
+    rows, still = [], []
     for constant in every:
         cells = []
         for factor in (0.5, 2.0):
             other = changed[changes.index((constant, factor))]
-            cells.append([r.title for r, a, b in zip(RECORDS, usual, other, strict=True) if a != b])
+            moved = zip(judged, usual, other, strict=True)
+            cells.append("; ".join(f"{what}: {a} → {b}" for what, a, b in moved if a != b))
         if any(cells):
-            half, twice = ("; ".join(cell) or "none" for cell in cells)
-            where = constant.module.removeprefix("identify.")
-            rows.append(f"| `{where}.{constant.name}` {constant.value:g} | {half} | {twice} |")
+            half, twice = (cell or "none" for cell in cells)
+            rows.append(f"| `{constant.name}` {constant.value:.3g} | {half} | {twice} |")
+        else:
+            still.append(f"`{constant.name}`")
     return (
-        f"Each of {len(every)} constants of {', '.join(f'`{room}`' for room in ROOMS)} halved and doubled, on "
-        f"{len(RECORDS)} simulated records ({', '.join(r.title for r in RECORDS)}). A verdict, a name or a rival that "
-        f"changes counts. {len(every) - len(rows)} constants change nothing; the others:\n\n"
-        "| constant | half changes | twice changes |\n|---|---|---|\n" + "\n".join(rows)
+        f"Each of the {len(every)} numbers of `identify/priors.py` halved and doubled, on {len(RECORDS)} simulated records and "
+        f"{len(judged) - len(RECORDS)} diagnoses of real rigs. A verdict, a name or a rival that changes counts. Nothing changes "
+        f"by {', '.join(still) or 'none'}.\n\n| constant | half changes | twice changes |\n|---|---|---|\n"
+        + "\n".join(rows)
     )

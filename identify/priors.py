@@ -52,7 +52,7 @@ LARGE = 0.5
 """Error of prediction, in % of the motion, that a law must remove to be large enough for a name."""
 
 LEAVES = 0.4
-"""Share of the error of its frequency or loss, in parts that were left out, that a law may leave to be borne out."""
+"""Share of the error of its frequency or loss, in parts that were left out, that a law may leave to be confirmed."""
 
 NEGLIGIBLE = 0.1 * LARGE
 """Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
@@ -70,8 +70,7 @@ SPEAKS_AGAINST = 1e-3
 """Probability below which a residual at the motion's harmonics is no noise, and the model that left it not adequate."""
 
 NEXT_TO_NOTHING = 0.01
-"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
-reached, or where the free run alone names."""
+"""Share of chi-square that a force may leave which the free run alone names, where the floor is a guess."""
 
 CLEAR = 3.0
 """Standard errors, of the misfit that is there, by which a strength must differ from none."""

@@ -59,7 +59,7 @@ def value(module, name):
             lambda x: rf"normal priors of {100 * x:g} % of $\omega_0^2$",
         ),
         ("priors", "DAMPING_VARIES", lambda x: f"and of {100 * x:g} % of the mean loss"),
-        ("diagnosis.search", "_FITTED", lambda x: f"The {WORDS[x]} best pairs are fitted"),
+        ("diagnosis.search", "_FITTED", lambda x: f"the {WORDS[x]} best are fitted"),
         ("diagnosis.ladder", "_STILL_NEEDED", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
     ],
 )
