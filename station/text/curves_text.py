@@ -18,7 +18,7 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     ]
     if any(laid.curves for laid in found.laws):
         words.append(
-            "Thin line: the usual model, as close as it comes to these curves. Thick line: the model with what is named, "
+            "Thin line: the usual model, as it is fitted. Thick line: the model with what is named, "
             "run freely and seen in the same way. Broken line: an effect that explains nearly as much."
         )
         if many:
