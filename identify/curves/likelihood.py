@@ -11,9 +11,9 @@ that nobody knows, at once. Sizes of walks and of the law without a name are cho
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from identify.arrays import Array
@@ -50,7 +50,7 @@ class CurveFit:
     """Laws as fitted to curves, with the log marginal likelihood (nats) and the strengths that are likeliest.
 
     `shared` (columns of base and laws,) are those of all releases, `strengths` (releases, columns) those of each.
-    `possible` is False where one is out of bounds.
+    `dropped` are the places of those that would be out of bounds, and are none.
     """
 
     added: Added
@@ -58,7 +58,12 @@ class CurveFit:
     settings: Settings
     shared: Array
     strengths: Array
-    possible: bool = True
+    dropped: tuple[int, ...] = ()
+
+    @property
+    def possible(self) -> bool:
+        """Whether no added law is out of bounds."""
+        return all(place < len(self.shared) - len(self.added.laws) for place in self.dropped)
 
     def and_last_of(self, other: "CurveFit") -> "CurveFit":
         """Return these laws and the last one of another fit, with the strengths that it found for them."""
@@ -83,6 +88,7 @@ class Products:
     parts: tuple[Part, ...]
     scatter: float = 0.0
     made: dict[tuple[int, int], tuple[Array, float]] = field(default_factory=dict)
+    beside: dict[tuple[Added, tuple[int, ...], Settings], Array] = field(default_factory=dict)
 
     def __call__(self, channel: int, walk: int) -> tuple[Array, float]:
         """Return the products and the logarithm of the noise's determinant, for one size of the walk."""
@@ -161,7 +167,7 @@ class CurveLikelihood:
 
     def usual(self) -> CurveFit:
         """Fit the base alone."""
-        return self._likeliest(self.products(self.observed, self.base), Added(), self._begin)
+        return self.fitted(self.products(self.observed, self.base), Added(), self._begin, climb=True)
 
     def columns(self, added: Added) -> tuple[int, ...]:
         """Return the columns of the base and of laws beside it."""
@@ -172,23 +178,51 @@ class CurveLikelihood:
 
         Gravity may be the whole spring, and has no constant of its own then.
         """
-        natural = float(self.laws.natural[column])
-        tried = [before.added.and_law(column, float(size) * natural) for size in STRENGTHS]
-        begins = {_without_walks(before.settings, still) for still in ((), (0,), (1,), (0, 1))}
-        best: CurveFit | None = None
-        for _ in range(2):  # a law that explains a walk gains nothing beside it
-            likeliest, begin = max(
-                product(tried, sorted(begins)), key=lambda one: self._nats(products, one[0], one[1])
-            )
-            found = self._likeliest(products, likeliest, begin)
-            if best is not None and found.nats <= best.nats:
-                break
-            best, begins = found, {found.settings}
-        assert best is not None
+        at = products.used.index(column)
+
+        def nats(settings: Settings) -> float:
+            return float(self._beside(products, before, settings)[at].max())
+
+        begins = (_without_walks(before.settings, still) for still in ((), (0,), (1,), (0, 1)))
+        _, settings = max(_climb(nats, begin) for begin in begins)  # it may explain a walk
+        size = STRENGTHS[np.argmax(self._beside(products, before, settings)[at])]
+        added = before.added.and_law(column, float(size * self.laws.natural[column]))
+        found = self.fitted(products, added, settings)
+        if found.dropped != before.dropped:  # then other walks may be likelier
+            found = self.fitted(products, added, settings, climb=True)
         if self.laws.spring_of(column) is None:
-            return best
+            return found
         tied = before.added.and_law(column, SAME * self.laws.frequency**2, tied=True)
-        return max(best, self._likeliest(products, tied, best.settings), key=lambda one: one.nats)
+        return max(found, self.fitted(products, tied, settings, climb=True), key=lambda one: one.nats)
+
+    def _beside(self, products: Products, before: CurveFit, settings: Settings) -> Array:
+        """Return the log marginal likelihood of a fit with each used law more, at each of STRENGTHS, (laws, strengths).
+
+        With the factor of the fit's own system at hand, one more column of it costs a product.
+        """
+        key = (before.added, before.dropped, settings)
+        if key not in products.beside:
+            normal, aim, size, _ = self._system(products, before.added, settings)
+            cross, own, along = self._crossed(products, before.added, settings)
+            cross = cross / np.sqrt(size)[:, None]
+
+            def free(kept: NDArray[np.int_]) -> tuple[Array, Array]:
+                factor = cholesky(normal[np.ix_(kept, kept)], lower=True)
+                both = np.column_stack([cross, aim])[kept]
+                white = solve_triangular(factor, both, lower=True, check_finite=False)
+                return own - np.sum(white[:, :-1] ** 2, axis=0), along - white[:, :-1].T @ white[:, -1]
+
+            everything = np.arange(len(aim))
+            width, _ = free(everything)
+            left, sought = (
+                free(np.setdiff1d(everything, before.dropped)) if before.dropped else free(everything)
+            )
+            scale = (STRENGTHS * self.laws.natural[list(products.used), None]) ** 2
+            explained = scale * sought[:, None] ** 2 / (1.0 + scale * left[:, None])
+            volume = np.log1p(scale * np.maximum(width, 0.0)[:, None])
+            nats = self._nats(products, before.added, settings, before.dropped)
+            products.beside[key] = nats + 0.5 * (explained - volume)
+        return products.beside[key]
 
     def with_own_corrections(self, before: CurveFit, found: CurveFit) -> CurveFit:
         """Fit the last law anew to what windows and averaging leave of the curves if the motion is its own."""
@@ -202,7 +236,7 @@ class CurveLikelihood:
     ) -> CurveFit:
         """Fit laws at given walks and laws without a name, or (`climb`) at the likeliest; none is out of bounds.
 
-        What would be negative is left out, the added laws excepted: with such a one a hypothesis is not possible.
+        What would be negative is left out; a hypothesis of which an added law is left out is not possible.
         """
         columns, dropped = list(self.columns(added)), list[int]()
         low, linear = self.laws.low[columns], [column for column, _ in self.laws.linear]
@@ -215,14 +249,10 @@ class CurveLikelihood:
             most, settings = _climb(nats, settings) if climb else (nats(settings), settings)
             shared, each = self._solved(products, added, settings, held)
             wrong = [j for j in range(len(columns)) if shared[j] < low[j] - 1e-12 and j not in dropped]
-            if climb and any(j >= len(self.base) for j in wrong):
-                return CurveFit(added, -np.inf, settings, shared, each, possible=False)
             if not wrong:
-                return CurveFit(added, most, settings, shared, each)
+                found = CurveFit(added, most, settings, shared, each, held)
+                return found if found.possible else replace(found, nats=-np.inf)
             dropped.append(min(wrong, key=lambda j: columns[j] in linear))
-
-    def _likeliest(self, products: Products, added: Added, begin: Settings) -> CurveFit:
-        return self.fitted(products, added, begin, climb=True)
 
     def _nats(
         self, products: Products, added: Added, settings: Settings, dropped: tuple[int, ...] = ()
@@ -267,6 +297,25 @@ class CurveLikelihood:
             ]
         )
 
+    def _crossed(self, products: Products, added: Added, settings: Settings) -> tuple[Array, Array, Array]:
+        """Return the products of the used laws with a system's unknowns (in their scales), themselves and the aim."""
+        used = len(products.used)
+        cross, own, along = [], np.zeros(used), np.zeros(used)
+        shared = np.zeros((len(self._places(products, added)), used))
+        for channel in self.channels:
+            one, _ = products(channel, settings[2 * channel])
+            shared += one[self._places(products, added), :used]
+            cross.append(one[used : used + self.nameless, :used])
+            own += np.diag(one)[:used]
+            along += one[:used, -1]
+        return np.vstack([shared, *cross]) * self._scales(added, settings)[:, None], own, along
+
+    def _places(self, products: Products, added: Added) -> list[int]:
+        """Return the places among the products of the base, added laws, and releases' own springs and dampers."""
+        first = len(products.used) + self.nameless
+        own = range(first, first + len(self.own) * len(self.rigs))
+        return [*(products.used.index(column) for column in self.columns(added)), *own]
+
     def _system(
         self, products: Products, added: Added, settings: Settings
     ) -> tuple[Array, Array, Array, float]:
@@ -274,10 +323,7 @@ class CurveLikelihood:
 
         Unknowns are in units of their scales, and of the root of the diagonal.
         """
-        used, m = len(products.used), self.nameless
-        place = {column: at for at, column in enumerate(products.used)}
-        own = range(used + m, used + m + len(self.own) * len(self.rigs))
-        shared = [*(place[c] for c in self.columns(added)), *own]
+        used, m, shared = len(products.used), self.nameless, self._places(products, added)
         count, unnamed = len(shared), range(used, used + m)
         unknowns = count + m * len(self.channels)
         normal, aim, left = np.zeros((unknowns, unknowns)), np.zeros(unknowns), 0.0
