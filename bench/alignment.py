@@ -107,8 +107,8 @@ def _releases(samples: list[Sample]) -> str:
     ]
     within = [100 * np.mean(each <= 1.0) for each in errors]
     return (
-        f"The release is found within a sample in {min(within):.1f} to {max(within):.1f} %, at most "
-        f"{max(each.max() for each in errors):.2f} samples off: in both channels and in each, after an ideal and a slow hand."
+        f"The release is found within a sample in {min(within):.1f} %, at most "
+        f"{max(each.max() for each in errors):.2f} samples off."
     )
 
 

@@ -33,14 +33,13 @@ def run(quick: bool = False, sessions: int | None = None) -> str:
         wall = _campaign(folder)
         found = json.loads((folder / "campaign" / "campaign.json").read_text())
         again = _campaign(folder)
-    workers, work = found["workers"], found["work_s"]
+    workers = found["workers"]
     assert len(found["rows"]) == count, found["failed"]
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     busy = os.getloadavg()[0]
     return (
-        f"{count} simulated sessions (8 s at 256 Hz, two channels), {workers} workers: {wall:.0f} s, {wall / (work / workers):.2f} times the sum of "
-        f"the parts. One session takes {1e3 * work / count:.0f} ms in a worker, {1e3 * alone:.0f} ms alone (median of {min(ALONE, count)}). A second run "
-        f"with nothing to do: {again:.1f} s. Largest process: {memory:.0f} MB. Load at the end: {busy:.1f} on {os.cpu_count()} cores."
+        f"{count} simulated sessions (8 s at 256 Hz, two channels), {workers} workers: {wall:.0f} s, at a load of {busy:.1f} in the end. "
+        f"One session takes {alone:.2f} s alone. A second run with nothing to do: {again:.1f} s. Largest process: {memory:.0f} MB."
     )
 
 

@@ -104,8 +104,8 @@ def run(quick: bool) -> str:
             "|---|---:|---:|---:|---:|",
             *rows,
             "",
-            "Two channels of 16 bits; the Mega in simavr, the LM3S6965 in QEMU, whose UART sends at once. Missed: not read in "
-            "time. Jitter: latest less earliest start of a sample.",
+            "Two channels of 16 bits; the Mega in simavr, the LM3S6965 in QEMU. Missed: not read in time. "
+            "Jitter: latest less earliest start of a sample.",
         ]
     )
 

@@ -89,8 +89,8 @@ def run(quick: bool, minutes: float | None = None) -> str:
         total += tried
         left += [f"{name}: {escaped}"] if escaped else []
     return (
-        f"{total} inputs by atheris from valid files, {seconds:.0f} s and {MEMORY >> 30} GB for each of {len(names)} readers; "
-        f"an input of more than {SLOW_S} s is a finding. Findings left: {'; '.join(left) or 'none'}."
+        f"{total} inputs by atheris from valid files to {len(names)} readers; more than {SLOW_S} s or {MEMORY >> 30} GB is a finding. "
+        f"Findings left: {'; '.join(left) or 'none'}."
     )
 
 

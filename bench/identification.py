@@ -1,7 +1,6 @@
 """The paper's two identifications on its nine releases: errors, coverage, spread, and what the lag does."""
 
 import os
-import time
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a process a core is enough
 
@@ -93,7 +92,7 @@ def run(quick: bool) -> str:
     jobs = [(seed, number) for seed in range(seeds) for number in range(len(RELEASES))]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         done = list(pool.map(measure, jobs, chunksize=4))
-    return "\n\n".join((_errors(done), _speed()))
+    return _errors(done)
 
 
 WANTED_AND_PAPER = {
@@ -133,16 +132,3 @@ def _errors(done: list[Measured]) -> str:
         "\n".join(lines)
         + f"\n\nThe paper's nine releases, {len(done) // 9} seeds each; errors without the one from 0.5 cm. Refused: {refused}."
     )
-
-
-def _speed() -> str:
-    sample = draw(None, 0.0, 78, **WORKING_POINT, amplitude=0.02)
-    decay = _decay(sample.rate, sample.displacement, sample.acceleration)
-    aligned = correct(decay, align(decay))
-    times = []
-    for _ in range(20):
-        began = time.perf_counter()
-        identify_wavelet(aligned)
-        identify_restoring_force(aligned)
-        times.append(time.perf_counter() - began)
-    return f"Both methods on {len(decay)} samples, warm: {1e3 * min(times):.1f} ms at best, {1e3 * np.median(times):.1f} ms median (wanted 20)."

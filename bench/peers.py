@@ -247,7 +247,7 @@ def run(quick: bool) -> str:
         f"{len(EFFECTS) * seeds} records a strength: {len(EFFECTS)} effects, {seeds} seeds. In brackets: also claimed.\n\n"
         "![Detection against strength](pictures/detection.png)\n\n"
         + "\n".join(lines)
-        + "\n\nThe peers get the station's aligned motion without small speeds. PySINDy gets a column for each of the "
+        + "\n\nThe peers get the station's aligned motion. PySINDy gets a column for each of the "
         f"{len(EFFECTS) - len(NO_COLUMN)} effects that can be one (not memory, second mass, forcing); the surface can name six effects. "
         f"Tuned on {len(tuning)} other records with an effect and {nothing} without: the evidence for a claim is what {100 * DOUBT:g} % of those "
         f"without exceed. {'; '.join(played)}."

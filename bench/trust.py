@@ -72,11 +72,10 @@ def run(quick: bool) -> str:
     fast = _tried(FAST, range(1, seeds + 1))
     real = (0, []) if quick else _tried(1.0, range(1, 2))
     lines = [
-        f"Of {tried} faults {name}, {tried - len(broken)} ended as promised."
+        f"Of {tried} [faults](faults.md) {name}, each on every line that it can strike, {tried - len(broken)} ended as promised."
         for name, (tried, broken) in (("sixteen times as fast as life", fast), ("in real time", real))
         if tried
     ]
-    lines += [f"Every row of [faults](faults.md) on each of its lines, {seeds} seed(s)."]
     lines += [f"- broken: {text}" for text in (*fast[1], *real[1])]
     lines += [
         "",

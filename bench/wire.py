@@ -32,10 +32,10 @@ def _decoded_mb_per_s(n: int, form: SampleFormat, count: int, at_once: int = PIE
     return len(wire) / best / 1e6
 
 
-def _wrong_of_damaged(count: int) -> tuple[int, int, int]:
-    """Damage every frame; return how many were damaged, came back as sent, came back as something else."""
+def _wrong_of_damaged(count: int) -> tuple[int, int]:
+    """Damage every frame; return how many were damaged, and how many came back as something else."""
     rng = random.Random(2)
-    decoder, as_sent, wrong = Decoder(), 0, 0
+    decoder, wrong = Decoder(), 0
     for frame in _frames(count, 8, SampleFormat.I16, seed=3):
         honest = Decoder().feed(frame)[0]
         wire = bytearray(frame)
@@ -51,9 +51,8 @@ def _wrong_of_damaged(count: int) -> tuple[int, int, int]:
             else:
                 wire[at:at] = wire[at : at + 4]
         for got in decoder.feed(bytes(wire)):
-            as_sent += got == honest
             wrong += got != honest
-    return count, as_sent, wrong
+    return count, wrong
 
 
 def run(quick: bool) -> str:
@@ -61,11 +60,11 @@ def run(quick: bool) -> str:
     count = 5_000 if quick else 50_000
     least = _decoded_mb_per_s(16, SampleFormat.I16, count)
     most = _decoded_mb_per_s(60, SampleFormat.F64, count)
-    damaged, as_sent, wrong = _wrong_of_damaged(20_000 if quick else 400_000)
+    damaged, wrong = _wrong_of_damaged(20_000 if quick else 400_000)
     return (
-        f"Decoded on one core, best of five runs: {least:.0f} MB/s (16 samples of 2 x i16 a frame; at least 50 wanted) to "
-        f"{most:.0f} MB/s (60 of 2 x f64).\n\nOf {damaged} frames with 1 to 4 bits flipped, bytes dropped, inserted or "
-        f"duplicated, {wrong} were taken for a message that was not sent; {as_sent} came as sent."
+        f"Decoded on one core: {least:.0f} MB/s (16 samples of 2 x i16 a frame; at least 50 wanted) to "
+        f"{most:.0f} MB/s (60 of 2 x f64).\n\nOf {damaged} frames with bits flipped, bytes dropped, inserted or "
+        f"duplicated, {wrong} were taken for a message that was not sent."
     )
 
 
