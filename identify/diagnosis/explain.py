@@ -1,4 +1,4 @@
-"""The explanation: two sentences that an engineer accepts."""
+"""The explanation of a verdict, in two sentences with numbers."""
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def explain(
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
 ) -> str:
-    """Return why the verdict is what it is, with numbers and the alternatives that remain."""
+    """Explain the verdict, with numbers and the alternatives that remain."""
     verdict, together, shape = judgement.verdict, judgement.together, judgement.shape
     confirmation, too_small = judgement.confirmation, judgement.too_small
     if verdict == "nothing_missing" and too_small:
@@ -93,7 +93,7 @@ def floor_of(baseline: Baseline) -> str:
 
 
 def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
-    """Return what a sure effect removes that is less than was asked of a name, and what the model leaves without it."""
+    """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
     name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
     return (
         f"{name} is sure, but removes {three_figures(removed)} % of the motion only: less than was asked of a name. Without "
@@ -103,7 +103,7 @@ def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
 
 
 def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
-    """Return why nothing is said to be missing: the floor is reached, with or without a small line, or hardly missed."""
+    """Explain why nothing is missing: the floor is reached, with or without a small line, or the rest is too small."""
     left = three_figures(baseline.reduced(baseline.fit))
     whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
     floor = f"the noise floor ({floor_of(baseline)})"
@@ -133,7 +133,7 @@ def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -
 
 
 def _line_in_words(line: Suspect) -> str:
-    """Return what a line of a sensor is that is too small to be named."""
+    """Describe a sensor's line that is too small to be named."""
     frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
     share = three_figures(line_percent(line.fit, line.term))
     what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
@@ -161,7 +161,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
 
 
 def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Return that a sensor's fault is the lesser part of what the model leaves, the rest excused by a guess; "" else."""
+    """Warn that a sensor's fault is the smaller part of the residual, and only a guessed floor excuses the rest; or ""."""
     before, left = motion_percent(baseline.fit), motion_percent(settled.fit)
     share = (removed_percent(baseline.fit, settled.fit) / before) ** 2
     if top.kind == "physics" or baseline.floor_is_sure or left < LARGE or share > _LESSER_PART:
@@ -174,7 +174,7 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
 
 
 def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Return that a force is sure and small, and how to make sure of it; "" where it is not so."""
+    """Warn that a named force is small, and say how to make sure of it; "" where it is not small."""
     removed = removed_percent(baseline.fit, settled.fit)
     if top.kind != "physics" or removed >= LARGE or max(d.window.release for d in baseline.decays) > 0:
         return ""
@@ -185,7 +185,7 @@ def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
 
 
 def _between(top: Suspect) -> str:
-    """Return between which named effects a law with a free exponent lies."""
+    """Compare a law of a free exponent with the nearest named effect."""
     family = FAMILY_OF[top.effect]
     exponent = top.parameters[family.exponent]
     nearest = family.nearest(exponent.value)
@@ -196,7 +196,7 @@ def _between(top: Suspect) -> str:
 
 
 def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
-    """Return what else would explain the record, what is as good first."""
+    """Say which other effects would explain the record, those that are as good first."""
     if top.effect in FAMILY_OF:
         return _between(top)
     if top.rivals:
@@ -218,7 +218,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
 
 
 def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:
-    """Return what else takes as much away where the model is at the floor as it stands."""
+    """Say which effects lower the misfit as much, where the model reaches the floor without any of them."""
     before = baseline.reduced(baseline.fit)
     near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
     also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
@@ -233,7 +233,7 @@ def _listed(suspects: list[Suspect]) -> str:
 
 
 def _explained(baseline: Baseline, suspect: Suspect) -> float:
-    """Return the share, 0 to 1, of what the model leaves above the noise that a suspect takes away."""
+    """Return the share, 0 to 1, of the misfit above the noise that a suspect explains."""
     before = baseline.reduced(baseline.fit)
     return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
@@ -244,7 +244,7 @@ def _times_the_noise(reduced: float) -> str:
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
-    """Return what a fit leaves, in % of the motion and beside the noise; beside the noise alone at a sure floor."""
+    """State a fit's residual in % of the motion and as a multiple of the noise; the multiple alone at a sure floor."""
     times = _times_the_noise(chi_square)
     return (
         times
@@ -254,7 +254,7 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
 
 
 def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
+    """Find the plausible suspect with the smallest residual, where the first suspect explains more than chance
     would; None otherwise.
     """
     if not suspects or not suspects[0].claimed:
@@ -264,7 +264,7 @@ def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
 
 
 def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
-    """Return how much the model leaves and how much of it named effects explain, each alone."""
+    """State how much the model leaves and how much of it named effects explain, each alone."""
     whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
     floor = f"where the floor is {floor_of(baseline)}"
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
@@ -286,7 +286,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
 
 
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
-    """Return what the suspects would leave, each alone, from the best on."""
+    """State the residual with each suspect alone, the best first."""
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
     listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
