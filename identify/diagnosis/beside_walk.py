@@ -160,8 +160,8 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"What is left is what {drift} would leave."
-    apart = "Such a drift never comes twice alike, so several releases tell a law from it."
+        return f"The residual is what {drift} would leave."
+    apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
 
 

@@ -381,21 +381,19 @@ def next_experiment(
     if verdict == "sensor_fault" and not suspects[0].rivals:
         return _confirming(suspects[0])
     if chosen is not None:
-        together = " Diagnose it together with what there is." if verdict == "unknown_effect" else ""
+        together = " Diagnose it together with the releases so far." if verdict == "unknown_effect" else ""
         return chosen.words + together
     if baseline.decays[0].window.force is not None:
         hides = verdict == "nothing_missing"
         why = (
-            "effects hide that grow faster"
+            "an effect that grows faster than the motion may hide"
             if hides
             else "the shape of the missing force must be the same in each"
         )
         return f"{_AT_OTHER_LEVELS}: {why}."
     if verdict == "missing_effect":
         return _confirming(suspects[0])
-    return (
-        "Release it from half and from twice the amplitude, and diagnose these together with what there is."
-    )
+    return "Release it from half and from twice the amplitude, and diagnose all releases together."
 
 
 def _confirming(suspect: Suspect) -> str:

@@ -96,7 +96,7 @@ def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
     """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
     name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
     return (
-        f"{name} is sure, but removes {three_figures(removed)} % of the motion only: less than was asked of a name. Without "
+        f"{name} is sure, but it removes only {three_figures(removed)} % of the motion, too little for a name. Without "
         f"it the model leaves {left} % of the motion, a reduced chi-square of "
         f"{three_figures(baseline.reduced(baseline.fit))}."
     )
@@ -115,7 +115,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
         )
     if not baseline.adequate(baseline.fit):
         return (
-            f"The model explains all but {whole}: too little to be worth a name, though it leaves a reduced chi-square of "
+            f"The model explains all but {whole}. That is too little to be worth a name, although the reduced chi-square is "
             f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
     first = (
@@ -124,7 +124,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     )
     if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < LARGE:
         return first
-    return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
+    return f"{first} But that floor is hardly known, and the residual is {whole}: a force may hide in it."
 
 
 def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
@@ -144,7 +144,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(quantities(top.parameters))
     if not top.strength_known:
-        numbers = "how strong, this record does not tell"
+        numbers = "this record does not determine its strength"
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
@@ -155,7 +155,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
     return (
         f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
-        f"{after}, the noise floor being {floor_of(baseline)}.{_small(baseline, top, settled)}"
+        f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
 
@@ -168,8 +168,8 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
         return ""
     part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
     return (
-        f" That is {part} of what the model leaves: {three_figures(left)} % of the motion is left with it, which "
-        "only a floor that is a guess excuses, and in which a force may hide."
+        f" That is {part} of the residual: {three_figures(left)} % of the motion remains with it. Only a guessed noise "
+        "floor accepts that, and a force may hide in it."
     )
 
 
@@ -200,7 +200,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if top.effect in FAMILY_OF:
         return _between(top)
     if top.rivals:
-        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}."
+        return f"This record does not distinguish it from {among([plain_name(name) for name in top.rivals], 'or')}."
     tried = [s for s in others if s.corrected is None]
     tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
@@ -210,9 +210,9 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
-        return "No other effect explains anything of it."
+        return "No other effect explains any of it."
     return (
-        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
+        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leave "
         f"{_times_the_noise(best.error_after)}."
     )
 
@@ -222,7 +222,7 @@ def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -
     before = baseline.reduced(baseline.fit)
     near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
     also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
-    return f"The model is at the floor without it, too: what is named is small{also}."
+    return f"The model reaches the floor without it, too: the named effect is small{also}."
 
 
 def _listed(suspects: list[Suspect]) -> str:
@@ -270,12 +270,12 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
-        rest = "what is left has no name"
+        rest = "the residual has no name"
         if baseline.adequate(most[0].fit):
             rest = (
-                "this record does not tell them apart"
+                "this record does not distinguish them"
                 if len(most) > 1
-                else "one release does not vouch for it"
+                else "one release is not enough to confirm it"
             )
         return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
     first = f"Something is missing that the library does not name: the model leaves {whole}"
@@ -328,8 +328,8 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
     before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
         f"A sensor is at fault: {plain_name(top.effect.name)}{_where(top)} ({numbers}); without allowing for it "
-        f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
-        f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
+        f"the reduced chi-square is {before}, with it {after}; the noise floor is {floor_of(baseline)}. "
+        f"Once it is corrected the forces are not affected; {top.effect.confirming_test}."
     )
 
 

@@ -23,7 +23,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         numbers = ", ".join(quantities(suspect.parameters))
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which moves "
+            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which changes "
             f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The evidence against a "
             f"drift of the rig, or a law without a name, is {effect.nats:.0f} nats{alike}."
@@ -56,8 +56,7 @@ def _unclear(suspect: Suspect, before: float) -> str:
         return ""
     return (
         f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "
-        "its strength, "
-        f"{quantities({suspect.effect.strength.name: strength})[0]}, is not clear of zero."
+        f"its strength, {quantities({suspect.effect.strength.name: strength})[0]}, may be zero."
     )
 
 
@@ -82,7 +81,7 @@ def explain_driven(found: Confirmation, unit: str) -> str:
 def _prediction(found: Confirmation) -> str:
     """State on how many parts the prediction is confirmed, and its error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")
-    left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
+    left = "" if after < 1.0 else f"; the residual, {three_figures(after)} % of the motion, has no name"
     basis = f"Confirmed on {found.better} of {found.parts} other releases"
     if found.one_record:
         basis = f"Confirmed within this record, on {found.better} of {found.parts} ranges of amplitude from the rest"
@@ -96,7 +95,11 @@ def _undecided(found: Confirmation) -> list[str]:
     sentences, too = [], " too" if found.effects else ""
     another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
-        alike = f"{_among(names)} explain it alike" if len(names) > 1 else f"{_among(names)} would explain it"
+        alike = (
+            f"{_among(names)} explain it equally well"
+            if len(names) > 1
+            else f"{_among(names)} would explain it"
+        )
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
             "amplitude distinguishes time from amplitude."

@@ -24,12 +24,11 @@ def why_not_enough(baseline: Baseline, found: Fit) -> str:
     """Explain why the data are not enough, and what to record."""
     if too_few_cycles(baseline):
         return (
-            "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
+            "Fewer than five cycles of free motion stand above friction and noise: too few to distinguish effects. "
             "Release from a larger amplitude, or record for longer."
         )
     return (
-        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise, which this record leaves "
-        "to a guess, may be as large: it would excuse any model. Look at the record first: is this the column "
-        "and the part that swings freely? If it is, release from a larger amplitude, or record what the sensor "
-        "reads at rest before the release."
+        f"The model leaves {three_figures(motion_percent(found))} % of the motion. The noise of this record is only a guess "
+        "and may be as large, so any model would pass. Look at the record first: is this the right column, and is the "
+        "mass swinging freely? If so, release from a larger amplitude, or record the sensor at rest before the release."
     )

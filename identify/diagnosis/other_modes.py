@@ -50,8 +50,8 @@ def modes_sentence(modes: tuple[OtherMode, ...]) -> str:
         return ""
     seen = " and ".join(mode.words for mode in modes)
     return (
-        f"Several modes: beside the motion's the record shows {seen}; one mode is followed here. Excite the others less, or "
-        "filter them out, before what is left is taken for a force."
+        f"Several modes: besides the mode of the motion the record shows {seen}. Only one mode is fitted here. Excite the "
+        "others less, or filter them out, before you take the residual for a force."
     )
 
 
