@@ -65,8 +65,8 @@ def _rate(assembly: Assembly, against_host: bool, said: list[Suspicion]) -> floa
         said.append(
             Suspicion(
                 False,
-                f"the sampling rate could not be checked: {unchecked}; a rate that is off by {100 * UNCHECKED_SHARE:g} %"
-                " is in the error of every value",
+                f"the sampling rate could not be checked: {unchecked}; the error of every value allows for a rate that is"
+                f" off by {100 * UNCHECKED_SHARE:g} %",
                 "take it again, for longer or over a line that does not hold samples back",
             )
         )
@@ -82,7 +82,7 @@ def _rate(assembly: Assembly, against_host: bool, said: list[Suspicion]) -> floa
     elif share > CLOCK_LIMIT and not said:
         text = (
             f"the sampling rate is known to {100 * share:.2g} % only: {rate:g} Hz by the board, {host.rate:.4g} ±"
-            f" {host.std:.2g} Hz by this computer's clock; twice that share is in the error of the stiffness"
+            f" {host.std:.2g} Hz by this computer's clock; the error of the stiffness includes twice that"
         )
         advice = "take it again, for longer or over a line that does not hold samples back"
         said.append(Suspicion(False, text, advice))
@@ -120,7 +120,7 @@ def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
         said.append(
             Suspicion(
                 False,
-                "the board's clock stands still, so that a hole in its sampling could not have been seen",
+                "the board's clock stands still, so a gap in its sampling could not be seen",
                 "send the time of the first sample in board_time_us",
             )
         )
@@ -132,7 +132,7 @@ def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
     if found is not None and found.share > EVEN_LIMIT:
         at = (found.index - assembly.start) / rate
         text = (
-            f"the board's clock and its sample index part by {found.step * rate:.3g} samples ({found.step:.3g} s) within"
+            f"the board's clock and its sample index differ by {found.step * rate:.3g} samples ({found.step:.3g} s) within"
             f" a second, {'at' if found is inside else 'outside the recording, at'} {at:.3f} s: samples were not taken"
             " at even times"
         )
@@ -148,11 +148,12 @@ def _lasting_step(assembly: Assembly, said: list[Suspicion]) -> float:
         return 0.0
     between = (found.after - assembly.start) / assembly.rate, (found.index - assembly.start) / assembly.rate
     text = (
-        f"samples arrive {1e3 * abs(found.step):.0f} ms {'later' if found.step > 0 else 'earlier'} for good from some time"
-        f" between {between[0]:.2f} s and {between[1]:.2f} s on: the board may have paused without counting"
+        f"from some time between {between[0]:.2f} s and {between[1]:.2f} s on all samples arrive"
+        f" {1e3 * abs(found.step):.0f} ms {'later' if found.step > 0 else 'earlier'}: the board may have paused without"
+        " counting"
     )
     said.append(
-        Suspicion(False, text, "take it again; if it comes again, stamp DATA with the clock that samples")
+        Suspicion(False, text, "take it again; if it happens again, stamp DATA with the clock that samples")
     )
     return found.share
 

@@ -10,7 +10,7 @@ from firmware_protocol import NO_SAMPLE, HelloRequest, Hold, Holder, HolderReaso
 
 ASKED = 3
 _WHY = {
-    HolderReason.BOOT: "its board booted anew",
+    HolderReason.BOOT: "its board restarted",
     HolderReason.STOP: "it was told to stop",
     HolderReason.SILENCE: "it did not hear from this computer",
     HolderReason.CONTACT: "its stop contact was opened",
@@ -47,7 +47,7 @@ class Rig:
         low, high = self.limits
         if not low <= displacement <= high:
             raise SettingsError(
-                f"{1e3 * displacement:g} mm is beyond what this rig holds, {1e3 * low:g} to {1e3 * high:g} mm;"
+                f"{1e3 * displacement:g} mm is outside the range of this rig, {1e3 * low:g} to {1e3 * high:g} mm;"
                 " nothing was moved"
             )
 

@@ -68,8 +68,8 @@ def _scales(x: Array, a: Array, rate: float) -> tuple[Suspicion, ...]:
     return (
         Suspicion(
             True,
-            f"the acceleration is {ratio:.3g} times what displacement and frequency mean:"
-            " channels swapped, or a scale wrong",
+            f"the acceleration is {ratio:.3g} times the value that displacement and frequency give:"
+            " channels are swapped, or a scale is wrong",
             "check which sensor is on which channel, and the scales",
         ),
     )

@@ -40,14 +40,14 @@ def clock_limits(value: Estimate, rate: float, rate_std: float | None) -> bool:
 
 
 def clock_sentence(values: Iterable[Estimate], rate: float, rate_std: float | None) -> str:
-    """Return what is to be said where the clock limits the first of these values; empty where it does not."""
+    """Warn where the clock limits the first of these values; "" where it does not."""
     first = next(iter(values), None)
     if first is None or not rate_std or not clock_limits(first, rate, rate_std):
         return ""
     known = float(f"{1e6 * rate_std / rate:.2g}")
     return (
         f"The recorder's clock limits the stiffness: its rate is known to {known:g} ppm, "
-        "and twice that share is in the error of K."
+        "and the error of K includes twice that."
     )
 
 

@@ -28,7 +28,7 @@ Decided = Literal["nothing", "named", "no name", "may drift", "too many"]
 
 @dataclass(frozen=True)
 class Evidence:
-    """The evidence for one more law: `nats` of each against the model without it, by name, and what it decides.
+    """The evidence for one more law: `nats` of each against the model without it, by name, and the verdict.
 
     `names` are those that are not distinguishable, the one that leads first; `explains` is "frequency" or "loss".
     """
@@ -55,7 +55,7 @@ class Evidence:
 def nothing(nats: Sequence[float]) -> float:
     """Return the probability that none of several effects is there, from the evidence for each (nats).
 
-    None is as probable as all together to begin with, and these as one another.
+    Before the data, none is as probable as all together, and all of these are equally probable.
     """
     if not nats:
         return 1.0
@@ -74,10 +74,10 @@ def decide(
 ) -> Evidence:
     """Decide what the evidence for several laws names: the one table of verdicts.
 
-    None is as probable as all laws together to begin with, and these as one another. The laws that are not distinguishable
-    are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without a
-    name in their place, as probable as each to begin with, and `beside` that for one beside the leader. Laws of time stand
-    for any drift unless a drift is part of every hypothesis (`drift_weighed`).
+    Before the data, none is as probable as all laws together, and all of these are equally probable. The indistinguishable
+    laws are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without
+    a name in their place, at first as probable as each, and `beside` that for one beside the leader. Laws of time represent
+    any drift unless a drift is part of every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|
@@ -106,7 +106,7 @@ def decide(
 
 
 def complexity(effect: Effect) -> int:
-    """Count an effect's own constants, and add how rare it is: of those that are not distinguishable the least leads.
+    """Count an effect's own constants and add its rarity: of indistinguishable effects the least complex leads.
 
     One that may be the whole of a linear law, as gravity of an angle's spring, has no strength of its own.
     """
@@ -119,15 +119,15 @@ _ROUNDING = 1e-12
 
 
 def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
-    """Return the evidence (nats) for all that a fit has in its model beyond the `base`, against the base alone.
+    """Return the evidence (nats) for the effects of a fit beyond the `base`, against the base alone.
 
-    `dispersion` is by how much a misfit that nothing explains widens the noise: 1 where the floor is sure.
+    `dispersion` is the factor by which an unexplained misfit widens the noise: 1 where the floor is sure.
     """
     return 0.5 * (base.chi_square - found.chi_square) / dispersion - price(base, found, scales, dispersion)
 
 
 def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
-    """Return what it costs to have found all that a fit has beyond the `base` in the ranges where it may lie, in nats."""
+    """Return the price (nats) of the parameters of a fit beyond the `base`, found anywhere in their ranges."""
     terms = {term.effect.name: term for term in found.model.terms if term.effect.name not in base.model}
     own = [j for j, unknown in enumerate(found.unknowns) if unknown.name not in base.names]
     widths = np.array([_width(found.unknowns[j], float(found.theta[j]), terms, scales) for j in own])
@@ -138,7 +138,7 @@ def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> flo
 
 
 def _cost(covariance: Array, widths: Array) -> float:
-    """Return the logarithm of the ranges over the volume in them that the readings leave, in nats.
+    """Return the logarithm of the volume of the ranges over the volume that the readings leave, in nats.
 
     ln det(1 + (2 pi C)^-1) / 2 of the covariance C in squares of the ranges, by correlations: what the readings do not
     determine costs nothing, however large its variance.
@@ -158,7 +158,7 @@ def _log_det(correlations: Array) -> float:
 
 
 def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scales) -> float:
-    """Return the width of the range in which an unknown may lie, in its unit: the inverse of its prior density at a value.
+    """Return the width of an unknown's range, in its unit: the inverse of its prior density at a value.
 
     Uniform for states, phases and the frequencies of lines, else in the logarithm, over what a fit may reach.
     """

@@ -42,7 +42,7 @@ def counted_on(table: Table, options: ImportOptions) -> Table:
             values, step, jumps = found
             what = "a turn" if step in TURNS else f"{step:g}"
             notes.append(
-                f"{column.place} jumps by {what} {jumps} times, where its numbers begin again: it was counted on"
+                f"{column.place} jumps by {what} {jumps} times, where its numbers wrap round: the jumps were removed"
             )
             column = replace(column, values=values, wraps=step)
         columns.append(column)

@@ -54,8 +54,9 @@ def no_clock(
         share = (stop - start) / len(time)
         return NoClock(
             place(table.path, table.line(int(rows[edge])), column.number),
-            f"the time stamps go over from a clock of {rates[0]:.3g} Hz to one of {rates[1]:.3g} Hz here; what is {rest} "
-            f"{at:.10g} s of the file, {100.0 * (1.0 - share):.2g} % of the rows, is left out by --{option} {at:.10g}",
+            f"the time stamps change from a clock of {rates[0]:.3g} Hz to one of {rates[1]:.3g} Hz here; "
+            f"--{option} {at:.10g} leaves out what is {rest} that time of the file, "
+            f"{100.0 * (1.0 - share):.2g} % of the rows",
             {"parts": (Part.model_validate({option: at}),)}, certain=share > NEARLY_ALL,
         )  # fmt: skip
     slope, stray = line

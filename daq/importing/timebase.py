@@ -182,9 +182,9 @@ def _repeated(time: Array, values: Array) -> tuple[str, ...]:
     if found is None:
         return ()
     return (
-        f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, by no clock, for up to "
-        f"{milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no "
-        "force. Write a row only where there is a new reading",
+        f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, at irregular times, for up to "
+        f"{milli(found.longest)}: the times of the readings are not known, and the steps look like a force. Write a row "
+        "only when there is a new reading",
     )
 
 

@@ -117,8 +117,8 @@ class LineSource:
         self._unread += 1
         if self._unread > MOST_UNREAD:
             raise ProtocolError(
-                f"{self._port.name}: {self._unread} lines are not as they were, the last one '{text[:40]}'; what came "
-                "before is kept"
+                f"{self._port.name}: {self._unread} lines do not have the form of the first, such as '{text[:40]}'; what "
+                "came before is kept"
             )
         return None
 

@@ -202,7 +202,7 @@ def _cause(
     sensor = kinematics.significance
     if sensor > _SURE:
         return (
-            f"The channels contradict each other, whatever the forces are (a less D^2 u stands {sensor:.0f} standard errors "
+            f"The channels contradict each other, whatever the forces are (a - D^2 u is {sensor:.0f} standard errors "
             "above its noise): look at a sensor first."
         )
     if drift is not None and drift.significance > _SURE_OF_DRIFT:

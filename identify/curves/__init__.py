@@ -1,1 +1,1 @@
-"""Curves: frequency and loss against amplitude, of one isolated mode, and what they tell of the laws behind them."""
+"""Curves: frequency and loss of one isolated mode against amplitude, and the laws that they show."""

@@ -56,7 +56,7 @@ class AveragedLaw:
         return curve.lightness * loss, curve.lightness * stiffening, curve.lightness * centre
 
     def _in_time(self, curve: DecayCurve, values: list[Array]) -> Array:
-        """Return what holds at each point of a curve, (n,), of values (n,) that hold at each of the times."""
+        """Interpolate values that hold at each of the times to the points of a curve, (n,)."""
         if len(values) == 1:
             return values[0]
         place = np.interp(curve.clock, self.times, np.arange(len(values)))
@@ -79,7 +79,7 @@ class AveragedLaw:
 
 
 def amplitude_grid(curves: Iterable[DecayCurve]) -> Array:
-    """Return the amplitudes at which laws of some curves are tabulated."""
+    """Choose the amplitudes at which the laws of some curves are tabulated."""
     sizes = np.concatenate([curve.amplitude for curve in curves])
     return np.geomspace(0.9 * float(sizes.min()), 1.1 * float(sizes.max()), _AMPLITUDES)
 
@@ -93,10 +93,10 @@ def laws_of(
     *,
     closer: bool = False,
 ) -> tuple[AveragedLaw, ...]:
-    """Return the laws of forces at all starting values of their inner parameters; those without a shape left out.
+    """Average the laws of forces at all starting values of their inner parameters, leaving out those without a shape.
 
     `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none, nor what is proportional. The inner
-    parameter of what never forgets, if it has one, is tried twice as close where `closer`.
+    parameter of a force with memory is tried twice as densely where `closer`.
     """
     laws = []
     for term in terms:
@@ -111,7 +111,7 @@ def laws_of(
 
 
 def _closer(starts: tuple[dict[str, float], ...]) -> tuple[dict[str, float], ...]:
-    """Return starting values of one positive parameter, and the geometric means between neighbours; others as they are."""
+    """Add the geometric means between neighbouring starting values of one positive parameter; keep others unchanged."""
     if len(starts[0]) != 1:
         return starts
     (name,) = starts[0]
@@ -123,7 +123,7 @@ def _closer(starts: tuple[dict[str, float], ...]) -> tuple[dict[str, float], ...
 def law_of(
     term: Term, inner: dict[str, float], frequency: float, grid: Array, duration: float
 ) -> AveragedLaw:
-    """Return the law of one force at inner values by their own names.
+    """Average the law of one force at inner values by their own names.
 
     It is of first order in the strength, so that it is the same in all units: what even harmonics do to the frequency
     (k2^2 A^2) is no multiple of it, and comes with the simulated motion.

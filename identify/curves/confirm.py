@@ -1,4 +1,4 @@
-"""The search for laws that the curves of a decay ask for: one at a time, the likeliest first.
+"""The search for laws that the curves of a decay support: one at a time, the likeliest first.
 
 A law is named where its marginal likelihood beats that of the same model without it, and where it removes enough of the
 error of prediction to matter. Laws that are nearly as likely are its rivals, and the simplest of them leads. A frequency or
@@ -32,7 +32,7 @@ def confirm_releases(
     terms: tuple[Term, ...],
     scales: Scales,
 ) -> Confirmation | None:
-    """Find what the curves of some releases ask for beyond a model; None where they are too short to tell.
+    """Find the laws that the curves of some releases support beyond a model; None where they are too short.
 
     `known` has the model's parameters by unknown's name, `terms` are the candidates.
     """
@@ -49,7 +49,7 @@ def confirm_releases(
 
 
 def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirmation:
-    """Find what some curves ask for; `places` are those of their releases among all that were given."""
+    """Find the laws that some curves support; `places` are those of their releases among all that were given."""
     laws = likelihood.laws
     taken = [likelihood.usual()]
     usual = held = hold_out(likelihood, taken[0])
@@ -111,7 +111,7 @@ class _Suspect:
 
 
 def _averaged(several: Sequence[tuple[float, dict[str, _Suspect]]]) -> dict[str, _Suspect]:
-    """Return suspects beside each of some hypotheses, of such evidence (nats), averaged over these."""
+    """Weigh suspects beside each of some hypotheses, and average over these by their evidence (nats)."""
     of_all = float(np.logaddexp.reduce([nats for nats, _ in several]))
     averaged = {}
     for name in dict.fromkeys(name for _, suspects in several for name in suspects):
@@ -123,7 +123,7 @@ def _averaged(several: Sequence[tuple[float, dict[str, _Suspect]]]) -> dict[str,
 
 
 def _suspects(likelihood: CurveLikelihood, before: CurveFit) -> dict[str, _Suspect]:
-    """Return each law that is not in a model with its evidence, averaged over its inner parameters, by name."""
+    """Weigh each law that a model lacks, its evidence averaged over its inner parameters; by name."""
     laws = likelihood.laws.laws
     known = {laws[c].name for c in likelihood.columns(before.added)}
     products = likelihood.products(likelihood.observed, range(len(laws)))
@@ -157,19 +157,19 @@ def _suspects(likelihood: CurveLikelihood, before: CurveFit) -> dict[str, _Suspe
 
 
 def _price(effect: Effect) -> float:
-    """Return the nats against an effect before anything is seen."""
+    """Return the prior evidence against an effect, nats."""
     return RARE * complexity(effect) + (DRIFTS if effect.of_time else 0.0)
 
 
 def _worth(likelihood: CurveLikelihood, one: CurveFit) -> float:
-    """Return the evidence for a fit, less the price of what it adds, nats."""
+    """Return the evidence for a fit, less the price of the laws that it adds, nats."""
     return one.nats - sum(_price(likelihood.laws.laws[c].term.effect) for c in one.added.laws)
 
 
 def _or_with_another(
     likelihood: CurveLikelihood, products: Products, one: _Suspect, weaker: Sequence[_Suspect]
 ) -> _Suspect:
-    """Return a suspect with the evidence that it is there, alone or with one of those that are less likely alone."""
+    """Weigh a suspect alone and together with each one that is less likely alone."""
     laws = likelihood.laws.laws
     pairs = [
         likelihood.with_law(products, one.fit, other.column).nats
@@ -182,7 +182,7 @@ def _or_with_another(
 
 
 def _corrected(likelihood: CurveLikelihood, before: CurveFit, one: _Suspect) -> _Suspect:
-    """Return a suspect judged on what windows and averaging make of its own motion."""
+    """Weigh a suspect again, with the curves corrected for what windows and averaging do to its own motion."""
     found = likelihood.with_own_corrections(before, one.fit)
     if not found.possible:
         return one
@@ -190,7 +190,7 @@ def _corrected(likelihood: CurveLikelihood, before: CurveFit, one: _Suspect) -> 
 
 
 def _confirms(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> bool:
-    """Whether what was left out confirms a law: it removes an error of prediction that matters, and most of one kind."""
+    """Check that the held-out parts confirm a law: it removes a large enough error of prediction, and most of one kind."""
     removed = before.typical("motion") - after.typical("motion")
     left = min(after.typical(kind) / before.typical(kind) for kind in _CHANNELS.values())
     plausible = laws.plausible(column, float(after.strengths[-1]))
@@ -198,7 +198,7 @@ def _confirms(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> 
 
 
 def _explained(before: HeldOut, after: HeldOut) -> str:
-    """Return whether a law explains the "frequency" or the "loss"."""
+    """Decide whether a law explains the "frequency" or the "loss"."""
     return max(_CHANNELS, key=lambda what: before.typical(_CHANNELS[what]) - after.typical(_CHANNELS[what]))
 
 

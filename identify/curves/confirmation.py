@@ -1,4 +1,4 @@
-"""What curves confirm: the effects that their evidence names, and what those predict."""
+"""Confirmation by curves: the effects that their evidence names, and the errors of their predictions."""
 
 from dataclasses import dataclass, field
 
@@ -12,7 +12,7 @@ from identify.model.model import Term
 class ConfirmedEffect:
     """An effect that predicts: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
-    `better` of `parts` left out are predicted better with it. `evidence` has the nats of it and of its rivals.
+    With it `better` of the held-out `parts` are predicted better. `evidence` has the nats of it and of its rivals.
     """
 
     term: Term

@@ -1,4 +1,4 @@
-"""Curves of some releases, and what each law that may be behind them does to them: one column a law.
+"""Curves of some releases, and the effect of each possible law on them: one column a law.
 
 Along the measured amplitudes the logarithm of the amplitude, the phase and the centre of the oscillation are linear in the
 strength of every law (Krylov and Bogoliubov 1937). What windows and averaging do to a motion is found by running the laws
@@ -35,7 +35,7 @@ Signals = tuple[Array, Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class CurveLaws:
-    """Curves (one a release), and laws: the first `base` of them are those of the model, the others may be missing.
+    """Curves (one a release) and laws: the first `base` laws are those of the model, the others may be missing from it.
 
     `known` has the model's parameters by unknown's name; `frequency` is the median of all curves, rad/s.
     """
@@ -80,13 +80,13 @@ class CurveLaws:
 
     @cached_property
     def columns(self) -> tuple[Signals, ...]:
-        """What each law of unit strength does to each curve, (n, laws)."""
+        """The effect of each law of unit strength on each curve, (n, laws)."""
         every = range(len(self.laws))
         return tuple(self._along(curve, every, float(curve.amplitude.max())) for curve in self.curves)
 
     @cached_property
     def measured(self) -> tuple[Signals, ...]:
-        """What each curve shows, (n,)."""
+        """The measured values of each curve, (n,)."""
         return tuple(self._seen(curve, float(curve.amplitude.max())) for curve in self.curves)
 
     @cached_property
@@ -130,19 +130,19 @@ class CurveLaws:
         return list(zip(self.columns, self.curves, strict=True))
 
     def spring_of(self, column: int) -> int | None:
-        """Return the place in the base of the linear law that another may be all of, None where there is none."""
+        """Return the place in the base of the linear law that another law may replace; None where there is none."""
         part = self.laws[column].term.force.may_be_all_of
         parts = [law.term.force.linear_part for law in self.laws[: self.base]]
         return parts.index(part) if part is not None and part in parts else None
 
     def plausible(self, column: int, strength: float) -> bool:
-        """Whether no other effect is the better name for what a law became."""
+        """Check that the strength and inner values of a law do not make it the same force as another effect."""
         law = self.laws[column]
         values = law.term.held_values | law.inner | {law.term.effect.strength.name: strength}
         return law.term.effect.plausible(values, self.scales)
 
     def observed(self, columns: Sequence[int], strengths: Array) -> tuple[Signals, ...]:
-        """Return what each curve shows, less what windows and averaging do to a motion of some laws.
+        """Correct the measured curves for what windows and averaging do to a motion of some laws.
 
         `strengths` (releases, columns). What the loss does to the frequency (half of it, squared: a damped oscillator is
         slower) is taken from the measured loss where it is not that of these laws.
@@ -164,7 +164,7 @@ class CurveLaws:
     def _excess(
         self, run: DecayCurve, columns: Sequence[int], strengths: Array, measured: DecayCurve
     ) -> Signals | None:
-        """Return by how much a simulated curve exceeds its own laws; None where it does not follow them at all."""
+        """Return the difference of a simulated curve from its own laws; None where it does not follow them at all."""
         unit = float(measured.amplitude.max())
         own = self._along(run, columns, unit)
         size, phase, centre = (
@@ -195,7 +195,7 @@ def _slope(values: Array, curve: DecayCurve) -> Array:
 
 
 def _smooth(rate: Array, curve: DecayCurve) -> Array:
-    """Return a rate (n - 1,) as a smooth function of the amplitude."""
+    """Smooth a rate (n - 1,) over the amplitude."""
     size = np.log(curve.between)
     order = min(_BENDS, len(size) - 1) if np.ptp(size) > BENDS_OVER / 8.0 else 0
     series = np.polynomial.polynomial.polyfit(size - size.mean(), rate, order)

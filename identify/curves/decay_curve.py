@@ -72,14 +72,14 @@ class DecayCurve:
 
     @property
     def beats(self) -> bool:
-        """Whether the amplitude comes back by a quarter after it had fallen, which one mode left alone never does."""
+        """Whether the amplitude rises again by a quarter after it had fallen, which one free mode never does."""
         high = self.amplitude[self.amplitude > _ABOVE * self.amplitude.max()]
         later = np.maximum.accumulate(high[::-1])[::-1]
         return bool(np.max(later / high) > _COMES_BACK)
 
     @property
     def driven(self) -> bool:
-        """Whether the amplitude, after other values, keeps one of its own to the end, or beats about it.
+        """Whether the amplitude settles at a constant value, or beats about one, until the end.
 
         No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
         """
@@ -97,7 +97,7 @@ class DecayCurve:
 
     @property
     def beats_late(self) -> bool:
-        """Whether the amplitudes of the last two fifths are not one and the same."""
+        """Whether the amplitude varies over the last two fifths."""
         return bool(np.ptp(self.late) >= _STEADY * np.mean(self.late))
 
     @property
@@ -148,10 +148,10 @@ class AmplitudeCurve:
 
     @classmethod
     def measured(cls, curve: DecayCurve, release: int = 0) -> Self:
-        """Return what a measured curve shows from one point to the next, or, where it has many, some points on.
+        """Compute frequency and damping of a measured curve between points, or, where it has many, over several points.
 
         The errors are found from the scatter of neighbouring points: the rms of their third differences over nine
-        neighbours, over sqrt(20), as of values that err each for itself: a smooth bend counts little. Errors of readings
+        neighbours, over sqrt(20), as for independent errors: a smooth bend counts little. Errors of readings
         make neighbours err in opposite directions, which makes this up to 1.3 times too large; a drift slower than
         four points is not in it.
         """
@@ -161,13 +161,13 @@ class AmplitudeCurve:
 
     @classmethod
     def predicted(cls, curve: DecayCurve, release: int = 0) -> Self:
-        """Return what a model's curve shows over the same steps; without errors."""
+        """Compute frequency and damping of a model's curve over the same steps, without errors."""
         curve = _thinned(curve)
         frequency, damping = _rates(curve)
         return cls(release, curve.between, frequency, damping, np.zeros(len(damping)), np.zeros(len(damping)))
 
     def down_to(self, amplitude: float) -> Self:
-        """Return the points whose amplitude is not below another's, m or rad."""
+        """Keep the points whose amplitude is not below another curve's, m or rad."""
         kept = self.amplitude >= amplitude
         values = (self.amplitude, self.frequency, self.damping, self.frequency_std, self.damping_std)
         return type(self)(self.release, *(value[kept] for value in values))
@@ -178,7 +178,7 @@ def _rates(curve: DecayCurve) -> tuple[Array, Array]:
 
 
 def _thinned(curve: DecayCurve) -> DecayCurve:
-    """Return every second, third ... point of a curve that has many."""
+    """Keep every second, third ... point of a curve that has many."""
     every = slice(None, None, max(1, -(-(len(curve) - 1) // _MOST_POINTS)))
     return DecayCurve(
         curve.time[every],
@@ -192,7 +192,7 @@ def _thinned(curve: DecayCurve) -> DecayCurve:
 
 
 def scatter(values: Array) -> Array:
-    """Return the standard error of each of some values (n,), by the third differences around it; NaN below four."""
+    """Estimate the standard error of each of some values (n,) from the third differences around it; NaN below four."""
     if len(values) < 4:
         return np.full(len(values), np.nan)
     square = np.diff(values, 3) ** 2 / THIRD_DIFFERENCES

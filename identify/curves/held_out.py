@@ -1,4 +1,4 @@
-"""Held out: what laws that were fitted to some parts of the curves predict of the others.
+"""Held-out parts: laws are fitted to some parts of the curves and predict the others.
 
 With several releases each is left out in turn, and its linear spring and damper alone are refitted. One record is cut in
 ranges of its amplitudes, and each is predicted from the others, nothing refitted.
@@ -26,7 +26,7 @@ _TURNED = 2.0
 
 @dataclass(frozen=True)
 class MotionError:
-    """What a prediction leaves of one part: of its envelope, of its phase and of its centre, in % of the motion."""
+    """The error of prediction of one part: of its envelope, its phase and its centre, in % of the motion."""
 
     envelope: float
     phase: float
@@ -40,9 +40,9 @@ class MotionError:
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """What laws of some strengths (columns,) predict: an error for each part that was left out.
+    """The prediction by laws of some strengths (columns,): an error for each part that was left out.
 
-    Of `one_record` the errors count of all but the largest amplitudes: these the small ones hardly show.
+    In `one_record` the largest amplitudes do not count: the small ones hardly predict them.
     """
 
     strengths: Array
@@ -50,18 +50,18 @@ class HeldOut:
     one_record: bool
 
     def typical(self, channel: str) -> float:
-        """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
+        """Return the rms over the parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
         counted = self.predicted[1:] if self.one_record else self.predicted
         return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in counted])))
 
     def better(self, other: "HeldOut", channel: str) -> int:
-        """Return on how many parts the prediction is better than another's."""
+        """Count the parts on which the prediction is better than another's."""
         pairs = zip(self.predicted, other.predicted, strict=True)
         return sum(getattr(mine, channel) < getattr(theirs, channel) for mine, theirs in pairs)
 
 
 def parts_of(likelihood: CurveLikelihood) -> tuple[Part, ...]:
-    """Return what is left out in turn: releases, or ranges of the amplitudes of one; one part where it is too short."""
+    """List the parts to leave out in turn: releases, or ranges of amplitude of one; one part where it is too short."""
     curves = likelihood.laws.curves
     if len(curves) > 1:
         return tuple((i, slice(None)) for i in range(len(curves)))
@@ -69,7 +69,7 @@ def parts_of(likelihood: CurveLikelihood) -> tuple[Part, ...]:
 
 
 def cut_by_amplitude(curve: DecayCurve) -> tuple[slice, ...]:
-    """Return the large, middle and small amplitudes of a curve, equal in ratio, one point in common between neighbours.
+    """Cut a curve into large, middle and small amplitudes of equal ratio; neighbours have one point in common.
 
     Two parts where it is too short for three, the whole where it is too short for two.
     """
@@ -90,7 +90,7 @@ def cut_by_amplitude(curve: DecayCurve) -> tuple[slice, ...]:
 def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
     """Predict each part of the curves from the others by the laws of a fit alone.
 
-    Walks and a law without a name predict nothing: all that laws leave counts as scatter and drift.
+    Walks and a law without a name predict nothing: the residual of the laws counts as scatter and drift.
     """
     columns, still = likelihood.columns(found.added), (0,) * len(found.settings)
     noise, strengths = _scatter(likelihood), found.strengths
@@ -109,7 +109,7 @@ def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
 
 
 def _scatter(likelihood: CurveLikelihood) -> float:
-    """Return the error of an amplitude (m or rad), by the third differences of the curves; at least a thousandth."""
+    """Estimate the error of an amplitude (m or rad) from the third differences of the curves; at least a thousandth."""
     curves = likelihood.laws.curves
     squares = [np.mean(np.diff(curve.amplitude, 3) ** 2) / THIRD_DIFFERENCES for curve in curves]
     return float(np.sqrt(np.mean(squares))) + 1e-3 * max(float(curve.amplitude.max()) for curve in curves)
@@ -141,7 +141,7 @@ def _error(
     part: Part,
     observed: tuple[Signals, ...],
 ) -> MotionError:
-    """Return what laws leave of one part, its start left free."""
+    """Compute the error of prediction of one part, with its start left free."""
     release, points = part
     curve, at = likelihood.laws.curves[release], list(columns)
     size, phase, centre = (

@@ -1,4 +1,4 @@
-"""One mode, isolated: windows of a cycle or more in which a harmonic motion is fitted to the readings.
+"""One isolated mode: a harmonic motion is fitted to the readings in windows of a cycle or more.
 
 Under a window (the root of Hann's) around its centre the reading is written as o + d s + Re[(p + q s) e^{iws}], s the
 time from the centre, by least squares: p has amplitude and phase, o is the centre of the oscillation, q follows the
@@ -97,7 +97,7 @@ class IsolatedMode:
         )
 
     def curve(self, values: Array) -> DecayCurve:
-        """Return the curve of a reading of this record, measured or predicted, (n,); lost readings may be anything."""
+        """Compute the curve of a reading of this record, measured or predicted, (n,); lost readings may have any value."""
         values = np.where(np.isfinite(values), values, 0.0)  # no weight, but NaN times nothing is NaN
         found = np.array([_apply(o, f, values) for o, f in zip(self.operators, self.first, strict=True)])
         wave = found[:, 0] + 1j * found[:, 1]
@@ -123,7 +123,7 @@ class IsolatedMode:
 
 
 def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[Array, float]:
-    """Return the windows' centres (k,) and half-width, s since the first sample; none where readings are missing."""
+    """Place the windows: their centres (k,) and half-width, s since the first sample; none where readings are missing."""
     period = 2.0 * np.pi / frequency
     running = running_amplitude(values, max(round(period * rate), 2))
     top = int(np.argmax(running))
@@ -141,7 +141,7 @@ def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[
 
 
 def _share(used: Mask, rate: float, centre: float, half: float) -> float:
-    """Return the share of a window's readings that there are, by weight."""
+    """Return the share of a window's readings that were recorded, by weight."""
     first = max(int(np.ceil((centre - half) * rate)), 0)
     there = used[first : int(np.floor((centre + half) * rate)) + 1]
     weight = np.cos(0.5 * np.pi * ((first + np.arange(len(there))) / rate - centre) / half) ** 2
@@ -174,7 +174,7 @@ def _apply(operator: Array, first: int, values: Array) -> Array:
 
 
 def _left(operator: Array, first: int, values: Array, found: Array) -> float:
-    """Return the rms of a window's reading about its harmonic part, a rough measure of what is not this mode."""
+    """Return the rms of a window's reading about its harmonic part, a rough measure of other modes and noise."""
     part = values[first : first + operator.shape[1]] - found[2]
     return float(np.sqrt(max(np.mean(part**2) - 0.5 * (found[0] ** 2 + found[1] ** 2), 0.0)))
 
@@ -192,10 +192,10 @@ _CLOSE = 1e-4
 def simulated_curve(
     prepared: PreparedDecay, mode: IsolatedMode, model: Model, values: dict[str, float], measured: DecayCurve
 ) -> DecayCurve | None:
-    """Return the curve of a model run from the start of the measured one; None where the motion runs away or dies.
+    """Simulate the curve of a model from the start of the measured one; None where the motion diverges or stops.
 
     `values` are the parameters of its effects by unknown's name, as if the release were the only one. The run begins
-    with the measured motion under the first window, and again with its amplitude and phase mended at the first point of
+    with the measured motion under the first window, and again with its amplitude and phase corrected at the first point of
     the curve until they agree.
     """
     at = int(mode.first[0])

@@ -1,4 +1,4 @@
-"""Curves of one or more releases, and the laws of models laid over them."""
+"""Measured curves of one or more releases with the curves of models over them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ class Law:
 
     @classmethod
     def known(cls, name: str, role: Role, model: Model, values: dict[str, float]) -> "Law":
-        """Take the law of a model's forces: what a sensor does to a reading is no law of the motion."""
+        """Take the law of a model's forces, without the faults of its sensors."""
         forces = Model(model.forces)
         known = {str(term.parameter(p.name)) for term in forces.terms for p in term.free}
         return cls(name, role, forces, {key: value for key, value in values.items() if key in known})
@@ -46,7 +46,7 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class LaidOver:
-    """A law as it runs through the windows of each release; releases in which its motion runs away are left out."""
+    """The curve of a law in the windows of each release, leaving out releases in which its motion diverges."""
 
     law: Law
     curves: tuple[AmplitudeCurve, ...]
@@ -72,7 +72,7 @@ class Isolated:
 
 
 def isolated(decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay]) -> tuple[Isolated, ...]:
-    """Return the curves of those releases that hold enough cycles; NotIdentifiable where none does, or one is driven."""
+    """Compute the curves of the releases with enough cycles; NotIdentifiable where none has, or one is driven."""
     found = []
     reason: NotIdentifiable | None = None
     for place, decay in enumerate(prepared_of(decays)):
@@ -94,7 +94,7 @@ def isolated(decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDe
 def decay_curves(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay], laws: Sequence[Law] = ()
 ) -> DecayCurves:
-    """Return frequency and damping against amplitude of one release or several, with laws laid over.
+    """Compute frequency and damping against amplitude of one release or several, measured and by laws.
 
     A law is run freely from the start of each curve and seen through the same windows as the measurement. With several
     releases its linear spring and damper are set to each release, whose clamping and air are its own; the rest is
@@ -125,7 +125,7 @@ def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[A
 
 
 def _set_to(measured: DecayCurve, run: DecayCurve | None, law: Law) -> Law:
-    """Return a law whose linear spring and damper make up for what its run lacks of loss and w^2 on the whole."""
+    """Adjust the linear spring and damper of a law until its simulation has the measured mean loss and w^2."""
     if run is None:
         return law
     values = dict(law.values)

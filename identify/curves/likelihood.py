@@ -1,12 +1,12 @@
-"""The marginal likelihood of a decay's curves: how probable laws make them, whatever else the rig does.
+"""The marginal likelihood of a decay's curves: how probable they are under some laws, whatever else the rig does.
 
 All that is not known is a column with a normal prior, or a part of the noise, and integrates to a closed form (a linear
 mixed model; Rasmussen and Williams 2006, eq. 2.43):
 
     log amplitude, phase, centre = start + base and laws + a law without a name + random walks of damper and spring + noise
 
-The walks and the law without a name stand in every hypothesis. So a name has to beat nothing, a drifting rig, and a law
-that nobody knows, at once. Sizes of walks and of the law without a name are chosen anew for each hypothesis, at a price.
+Every hypothesis has the walks and the law without a name. So a name has to beat three things at once: no effect, a
+drifting rig, and an unknown law. The sizes of the walks and of that law are chosen for each hypothesis, at a price.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -47,7 +47,7 @@ class Added:
 
 @dataclass(frozen=True, eq=False)
 class CurveFit:
-    """Laws as fitted to curves, with the log marginal likelihood (nats) and the strengths that are likeliest.
+    """Laws fitted to curves, with the log marginal likelihood (nats) and the likeliest strengths.
 
     `shared` (columns of base and laws,) are those of all releases, `strengths` (releases, columns) those of each.
     `dropped` are the places of those that would be out of bounds, and are none.
@@ -129,7 +129,7 @@ class CurveLikelihood:
     """The likelihood of curves under the base of their laws and under laws beside it.
 
     `noise` is relative to the amplitude for each channel (to the largest for the centre), and last absolute; `shapes` are
-    what laws without a name, `nameless` of them, make of each curve.
+    the effects on each curve of laws without a name, `nameless` of them.
     """
 
     def __init__(self, laws: CurveLaws) -> None:
@@ -158,7 +158,7 @@ class CurveLikelihood:
         parts: Sequence[Part] = (),
         scatter: float = 0.0,
     ) -> Products:
-        """Return what hypotheses about some columns are made of; on all points, or on some parts.
+        """Compute the products from which hypotheses about some columns are solved, on all points or on some parts.
 
         The noise is the likeliest, or, above 0, a `scatter` of the amplitude (m or rad) and a drift beside it.
         """
@@ -174,7 +174,7 @@ class CurveLikelihood:
         return (*self.base, *added.laws)
 
     def with_law(self, products: Products, before: CurveFit, column: int) -> CurveFit:
-        """Fit one law more, with the scale of its strength that is likeliest.
+        """Fit one more law, with the likeliest scale of its strength.
 
         Gravity may be the whole spring, and has no constant of its own then.
         """
@@ -225,7 +225,7 @@ class CurveLikelihood:
         return products.beside[key]
 
     def with_own_corrections(self, before: CurveFit, found: CurveFit) -> CurveFit:
-        """Fit the last law anew to what windows and averaging leave of the curves if the motion is its own."""
+        """Fit the last law again to curves that are corrected for windows and averaging by its own motion."""
         observed = self.laws.observed(self.columns(found.added), found.strengths)
         if not all(np.isfinite(one).all() for signals in observed for one in signals):
             return found
@@ -234,7 +234,7 @@ class CurveLikelihood:
     def fitted(
         self, products: Products, added: Added, settings: Settings, *, climb: bool = False
     ) -> CurveFit:
-        """Fit laws at given walks and laws without a name, or (`climb`) at the likeliest; none is out of bounds.
+        """Fit laws at given sizes of walks and laws without a name, or (`climb`) at the likeliest, all within bounds.
 
         What would be negative is left out; a hypothesis of which an added law is left out is not possible.
         """
@@ -257,7 +257,7 @@ class CurveLikelihood:
     def _nats(
         self, products: Products, added: Added, settings: Settings, dropped: tuple[int, ...] = ()
     ) -> float:
-        """Return the log marginal likelihood; `dropped` unknowns are none, which makes them no less unknown."""
+        """Return the log marginal likelihood; `dropped` unknowns are zero but still count as unknown."""
         normal, aim, size, left = self._system(products, added, settings)
         factor = cholesky(normal, lower=True)
         if dropped:
@@ -272,7 +272,7 @@ class CurveLikelihood:
     def _solved(
         self, products: Products, added: Added, settings: Settings, dropped: tuple[int, ...]
     ) -> tuple[Array, Array]:
-        """Return the likeliest strengths that releases share (columns,) and that each has (releases, columns)."""
+        """Solve for the likeliest strengths, shared by the releases (columns,) and of each (releases, columns)."""
         normal, aim, size, _ = self._system(products, added, settings)
         kept = np.setdiff1d(np.arange(len(aim)), dropped)
         found = np.zeros(len(aim))
@@ -287,7 +287,7 @@ class CurveLikelihood:
         return found[: len(columns)], each
 
     def _scales(self, added: Added, settings: Settings) -> Array:
-        """Return the standard deviations that the unknowns have before anything is seen."""
+        """Return the prior standard deviations of the unknowns."""
         return np.concatenate(
             [
                 FLAT * self.laws.natural[list(self.base)],
@@ -319,7 +319,7 @@ class CurveLikelihood:
     def _system(
         self, products: Products, added: Added, settings: Settings
     ) -> tuple[Array, Array, Array, float]:
-        """Return the normal matrix with ones on its diagonal, the aim, that diagonal, and the misfit without unknowns.
+        """Return the normal matrix with a unit diagonal, the right side, the old diagonal, and the misfit without unknowns.
 
         Unknowns are in units of their scales, and of the root of the diagonal.
         """
@@ -353,7 +353,7 @@ class CurveLikelihood:
         return (*relative, float(NOISE[places[-1]]) * self._smallest)
 
     def _fit_noise(self) -> None:
-        """Find the noise that is likeliest where nothing is named, and the likeliest sizes with it."""
+        """Find the likeliest noise where nothing is named, and the likeliest sizes with it."""
 
         def nats(places: Settings) -> float:
             self.noise = self._noise_at(places)
@@ -372,7 +372,7 @@ class CurveLikelihood:
 def _climb(
     nats: Callable[[Settings], float], begin: Settings, top: int = len(SIZES)
 ) -> tuple[float, Settings]:
-    """Return the largest of a function of places, and where, one place moved at a time."""
+    """Find the largest value of a function of places, and where, moving one place at a time."""
     known: dict[Settings, float] = {}
 
     def at(places: Settings) -> float:

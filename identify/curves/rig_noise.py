@@ -1,4 +1,4 @@
-"""What else a rig does to its curves beside laws: noise of windows that overlap, random walks, and a law without a name."""
+"""Disturbances of a rig's curves besides laws: noise of overlapping windows, random walks, a law without a name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ DRIFT = 0.04
 
 @dataclass(frozen=True, eq=False)
 class RigNoise:
-    """What a rig does to one curve: `overlap` (n, n) correlates the errors of windows; `frequency` in rad/s."""
+    """The disturbances of one curve: `overlap` (n, n) correlates the errors of windows; `frequency` in rad/s."""
 
     curve: DecayCurve
     overlap: Array
@@ -51,7 +51,7 @@ class RigNoise:
         return walk, walk, self.frequency * early
 
     def covariance(self, channel: int, noise: Sequence[float], walk: float) -> Array:
-        """Return the covariance of what noise and a walk of some size make of a channel, (n, n).
+        """Return the covariance of a channel under noise and a walk of some size, (n, n).
 
         `noise` is relative to the amplitude for each channel (to the largest for the centre), and last absolute.
         """
@@ -71,7 +71,7 @@ class RigNoise:
         )
 
     def nameless(self, grid: Array, shapes: Array) -> tuple[Array, Array, Array]:
-        """Return what laws without a name, `shapes` (k, m) over log amplitudes `grid` (k,), make of each channel, (n, m)."""
+        """Return the effect, (n, m), on each channel of nameless laws: `shapes` (k, m) over log amplitudes `grid` (k,)."""
         curve = self.curve
         between, at = (
             np.column_stack([np.interp(np.log(size), grid, shape) for shape in shapes.T])

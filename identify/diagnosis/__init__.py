@@ -1,1 +1,1 @@
-"""Which effect a model lacks, how sure that is, and its refinement."""
+"""Diagnosis: which effect a model lacks, how sure that is, and how to refine the model."""

@@ -62,11 +62,11 @@ def begin(
     *,
     by_gain: bool,
 ) -> Beginning | None:
-    """Return the best of the first steps from a few starts; None where a fault has none.
+    """Take the first steps of a fit from a few starts and keep the best; None where a fault has no start.
 
-    If `by_gain`, near the floor, a force begins hardly there at the places of its largest linear gains, where it grows as
-    far as these predict; then at the strengths of the equation error. Where both lead away it begins hardly there from all
-    starts: no model need lose to its own part.
+    If `by_gain`, near the floor, a force begins very weak at the places of its largest linear gains, where it grows as
+    far as these predict; then at the strengths of the equation error. Where both make the fit worse it begins very weak
+    from all starts: no model need be worse than a part of itself.
     """
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
@@ -111,7 +111,7 @@ def begin(
 
 
 def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
-    """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
+    """Return the misfit of the model with one more effect, and its Jacobian; only the new columns are computed."""
     known_at = slope.problem.index
     take_steps(problem, slope.problem)
     known = np.array([unknown.name in known_at for unknown in problem.unknowns])
@@ -140,7 +140,7 @@ def _promising(
     starts: Starts,
     few: int,
 ) -> list[Array]:
-    """Return complete starting points: the base's values with the term added at the strength of the equation error.
+    """List complete starting points: the base's values with the term added at the strength of the equation error.
 
     Where the base is far off, all values come from the equation error. The best `few` by equation error are kept.
     """
@@ -169,7 +169,7 @@ def _promising(
 
 
 def _with_fault(base: Fit, term: Term, start: dict[str, float], scales: Scales) -> dict[str, float]:
-    """Return a fit's values with a sensor's fault, and the lag that it would have been taken for undone."""
+    """Add a sensor's fault to a fit's values, and undo the lag that the fit mistook it for."""
     point, count = with_fault(base, term, start), len(base.windows)
     if term.fault.seems_lag is not None:
         early = term.fault.seems_lag(tuple(start.values()), scales)

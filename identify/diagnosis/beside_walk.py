@@ -1,9 +1,9 @@
-"""A name beside what has none: whether effects explain more than a random walk of spring and damper and a smooth law.
+"""Whether named effects explain more than a random walk of spring and damper, or a smooth law without a name.
 
 Where the floor is sure, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law that
-the library does not hold, to within the noise, with thousands of nats. What tells a law is what it explains beyond both,
-and that it leaves nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
-shows in what the law leaves.
+the library does not hold, to within the noise, with thousands of nats. A law counts by what it explains beyond both,
+and it must leave nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
+shows in the residual of the law.
 
 A smooth law without a name: how much of a misfit some law that the library does not hold explains, by its evidence.
 
@@ -35,9 +35,9 @@ _ORDERS = 8
 
 
 def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
-    """Return the evidence (nats) for a smooth law beside a fit and a walk of its spring and damper, against the walk alone.
+    """Weigh a smooth law beside a fit and a walk of its spring and damper, against the walk alone (nats).
 
-    The coordinates are as probable as one another; a law's size is not known, and a large one is rarer.
+    All coordinates are equally probable; a law's size is not known, and a large one is rarer.
     """
     residual, jacobian = found.linearised
     misfit = jacobian.free(residual)
@@ -90,7 +90,7 @@ def _laws(problem: Problem, theta: Array) -> list[Array]:
 
 @dataclass(frozen=True)
 class WithoutName:
-    """What may be there beside a fit and has no name: a random walk of spring and damper, and a smooth law beside that."""
+    """What may act beside a fit without a name: a random walk of spring and damper, and a smooth law beside that."""
 
     walk: RandomWalk
     law: float
@@ -103,9 +103,9 @@ class WithoutName:
 
 
 def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
-    """Decide what is named of some effects with the evidence `nats` against the fit before; a walk is beside all and none.
+    """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
-    `last` is what the leader leaves: the others explain as much, and leave as much.
+    `last` is the fit with the leader; the others explain as much, and leave as much.
     """
     first = WithoutName.beside(before)
     shift = last.walk.evidence - first.walk.evidence
@@ -119,7 +119,7 @@ def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last:
 
 
 def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
-    """Whether what is named at a sure floor is more than a walk or a law without a name, and each beside the others."""
+    """Decide whether a name at a sure floor beats a walk and a law without a name, and each effect beside the others."""
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
     if not added:
@@ -140,7 +140,7 @@ def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement without a name, with the random walk that explains all of the misfit, where one does."""
+    """Make the judgement without a name, with the random walk if one explains all of the misfit."""
     near = baseline.floor_is_sure and baseline.fit.reduced < LINEAR_UP_TO
     if judged.verdict != "unknown_effect" or not near:
         return judged
@@ -150,7 +150,7 @@ def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
 
 
 def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str:
-    """Return what a walk explains, of what a name leaves or instead of a name; "" where none is told of."""
+    """Say what a random walk explains, beside a name or instead of one; "" where there is no walk."""
     if walk is None or not (walk.stiffness or walk.damping):
         return ""
     drifts = []
@@ -160,11 +160,11 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"What is left is what {drift} would leave."
-    apart = "Such a drift never comes twice alike, so several releases tell a law from it."
+        return f"The residual is what {drift} would leave."
+    apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
 
 
 def _one_figure(value: float) -> str:
-    """Return a size that is known to a factor of two."""
+    """Round a size that is known to a factor of two to one figure."""
     return f"{value:.0f}" if value >= 1.0 else f"{value:.1g}"

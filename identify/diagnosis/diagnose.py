@@ -1,4 +1,4 @@
-"""Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
+"""Diagnosis: which effect a model lacks, how sure that is, and which effects are not distinguishable."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -63,17 +63,17 @@ _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_mi
 class Diagnosis(Summarised):
     """What a model lacks.
 
-    `baseline` is the model as fitted, with its floor. `suspects` come in order, what the verdict names first. `together`
+    `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `together`
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
-    shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
+    shows. `shape` is the free-form force, when something is missing that has no name. `confirmation` is what the curves of
     the decay predict, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
     what each effect of the final model does at the largest and at the smallest amplitude; none where something without a
-    name is missing. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
-    None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
+    name is missing. `harmonics` says, near a floor that is a guess, whether the residual stands at the motion's harmonics;
+    None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
-    `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
-    `hypotheses` are what it leaves, the likeliest first, and `next_release` is what would tell most between them, None where
+    `walk` is a random walk of spring and damper that is not distinguishable from the name, or remains beside it; else None.
+    `hypotheses` are those still open, the likeliest first, and `next_release` would distinguish them best, None where
     a release cannot.
     """
 
@@ -99,9 +99,9 @@ class Diagnosis(Summarised):
     next_release: NextRelease | None = None
 
     def next_within(self, limits: Limits) -> NextRelease | None:
-        """Return the release that is expected to tell most of those that a rig allows; None where none tells anything.
+        """Choose the most informative release that a rig allows; None where no release tells anything.
 
-        Of what is named, and of what can hide beside it.
+        It tests what is named, and what can hide beside it.
         """
         decays, lead = self.baseline.decays, self.hypotheses[0]
         hiding = what_can_hide(decays, lead, self.library) if lead.names else ()
@@ -109,7 +109,7 @@ class Diagnosis(Summarised):
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
-        """The linear spring and damper of each release, where they differ; none where all share them."""
+        """The linear spring and damper of each release, where they differ; empty where all share them."""
         return release_values(self.baseline.stated(self.final))
 
     @property
@@ -134,7 +134,7 @@ class Diagnosis(Summarised):
         return (*laws, *(Law.of(name, "rival", fits[name]) for name in rivals if name in fits))
 
     def refine(self, progress: Progress = lambda step, words: None) -> Ladder:
-        """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.
+        """Add what is named and diagnose again until nothing with a name is missing; return the ladder.
 
         Effects that are no longer needed once others have come are taken out, and at the end those of the model to begin
         with, beyond the usual ones, that explain nothing. `progress` is called with each new step and a sentence.
@@ -165,14 +165,14 @@ class Diagnosis(Summarised):
         if self.verdict == "nothing_missing" and (
             self.too_small or not self.baseline.adequate(self.baseline.fit)
         ):
-            return "what is left is too little of the motion to be worth a name"
+            return "the residual is too small a part of the motion to be worth a name"
         if self.verdict in _STOPS:
             return _STOPS[self.verdict]
-        many = f"{_MOST_STEPS} effects were added; one with more would fit any record"
+        many = f"{_MOST_STEPS} effects were added; with more, a model would fit any record"
         return many if steps > _MOST_STEPS else ""
 
     def brief(self) -> Summary:
-        """Return the verdict, why, the first few suspects, and what each effect does."""
+        """Summarize the verdict, its reason, the first few suspects, and what each effect does."""
         rows = [
             (
                 suspect.effect.name,
@@ -207,12 +207,12 @@ def diagnose(
     worth: float = 0.0,
     progress: Callable[[str], None] = lambda words: None,
 ) -> Diagnosis:
-    """Return what a model lacks on one release, or on several that share their physics.
+    """Diagnose what a model lacks on one release, or on several that share their physics.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
     unknown's name; `library` are the effects that are tried, LIBRARY unless given. No force is named that removes less than
-    `worth` % of the motion, however sure it is; where the floor is a guess half a percent is asked in any case. `progress`
-    is told each step in words, counted where it has a known number of fits. Raises NotIdentifiable when a release
+    `worth` % of the motion, however sure it is; where the floor is a guess the limit is at least half a percent. `progress`
+    gets each step in words, counted where the number of fits is known. Raises NotIdentifiable when a release
     holds too little to fit anything.
     """
     library = LIBRARY if library is None else library
@@ -261,13 +261,13 @@ def diagnose(
 
 
 def _findings(settled: Baseline) -> tuple[CorrectedFault, ...]:
-    """Return the faults of sensors that are corrected in every fit but ought to be mended."""
+    """List the sensors' faults that every fit corrects but that ought to be mended."""
     faults = unnamed_faults(settled.decays, settled.fit)
     return tuple(f for f in faults if f.p_value < settled.alpha or f.remarked)
 
 
 def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
-    """Return the baseline of what was found, against the floor that its own residual shows."""
+    """Judge the fit with what was found against the noise floor that its own residual shows."""
     settled = baseline
     if judgement.final is not baseline.fit:
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
@@ -275,7 +275,7 @@ def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
 
 
 def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the effects that a verdict names."""
+    """List the effects that a verdict names."""
     if verdict not in ("missing_effect", "sensor_fault"):
         return ()
     return (suspects[0].effect.name, *together)
@@ -289,7 +289,7 @@ def _why(
     settled: Baseline,
     harmonics: HarmonicResidual | None,
 ) -> str:
-    """Return why the verdict is what it is, what drifts, what stands at the harmonics, and by how much releases differ."""
+    """Explain the verdict: the reason, what drifts, what stands at the harmonics, by how much releases differ."""
     why = explain(baseline, judgement, suspects, findings, settled)
     releases = 1 + max(prepared.window.release for prepared in baseline.decays)
     walk = walk_sentence(judgement.walk, named=judgement.verdict == "missing_effect", releases=releases)
@@ -304,9 +304,9 @@ def _searched(
     library: tuple[Effect, ...],
     progress: Callable[[str], None],
 ) -> tuple[Baseline, Judgement]:
-    """Return what is to be said of a model, and the baseline that it was judged against.
+    """Decide the verdict for a model; return it with the baseline that it was judged against.
 
-    That is not the `first` where releases differ.
+    That baseline is not `first` where releases differ.
     """
     baseline = where_releases_differ(first)
     predict = cache(lambda: predicted(baseline, whole, library))
@@ -324,9 +324,9 @@ def _searched(
 def _worth_a_fit(
     baseline: Baseline, library: tuple[Effect, ...], predict: Callable[[], Confirmation | None]
 ) -> tuple[Effect, ...]:
-    """Return the effects to fit by free run: all, or, on long records with a guessed floor, what the curves leave open.
+    """List the effects to simulate and fit: all, or, on long records with a guessed floor, those that the curves leave open.
 
-    There every free run is dear, and the floor is not reached.
+    There every simulation is slow, and the floor is not reached.
 
     Where they confirm something, that is what they mention; otherwise also what they cannot show.
     """
@@ -342,7 +342,7 @@ def _worth_a_fit(
 def predicted(
     baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]
 ) -> Confirmation | None:
-    """Return what the curves of whole releases confirm beyond a fitted model; None where they cannot tell."""
+    """Find what the curves of whole releases confirm beyond a fitted model; None where they cannot tell."""
     if any(decay.window.force is not None for decay in whole):
         return None
     forces = Model(baseline.fit.model.forces)
@@ -373,7 +373,7 @@ _AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"
 def next_experiment(
     baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...], chosen: NextRelease | None
 ) -> str:
-    """Return what to record next, in a sentence."""
+    """Say in a sentence what to record next."""
     if verdict == "not_enough_data":
         return _MORE
     if verdict == "driven":
@@ -381,21 +381,19 @@ def next_experiment(
     if verdict == "sensor_fault" and not suspects[0].rivals:
         return _confirming(suspects[0])
     if chosen is not None:
-        together = " Diagnose it together with what there is." if verdict == "unknown_effect" else ""
+        together = " Diagnose it together with the releases so far." if verdict == "unknown_effect" else ""
         return chosen.words + together
     if baseline.decays[0].window.force is not None:
         hides = verdict == "nothing_missing"
         why = (
-            "effects hide that grow faster"
+            "an effect that grows faster than the motion may hide"
             if hides
             else "the shape of the missing force must be the same in each"
         )
         return f"{_AT_OTHER_LEVELS}: {why}."
     if verdict == "missing_effect":
         return _confirming(suspects[0])
-    return (
-        "Release it from half and from twice the amplitude, and diagnose these together with what there is."
-    )
+    return "Release it from half and from twice the amplitude, and diagnose all releases together."
 
 
 def _confirming(suspect: Suspect) -> str:

@@ -49,10 +49,10 @@ _WIDEST, _HELD = 0.5, 1e-9
 
 @dataclass(frozen=True, eq=False)
 class ExpectedEvidence:
-    """What an experiment is expected to tell: `nats[i, j, d]` against hypothesis j where i is true, of draw d.
+    """The evidence expected of an experiment: `nats[i, j, d]` against hypothesis j where i is true, in draw d.
 
-    (hypotheses, hypotheses, draws); nan on the diagonal, for what runs away, and for all draws but the first, that of the
-    fit itself, until they are refitted. `refitted` are the pairs whose evidence is that of refits to the records themselves.
+    (hypotheses, hypotheses, draws). It is nan on the diagonal and where the motion diverges. Until a pair is refitted it
+    is also nan in all draws but the first, the fit itself. `refitted` are the pairs refitted to the records themselves.
     """
 
     experiment: Experiment
@@ -96,10 +96,10 @@ class _Carried:
 
 
 def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
-    """Return by how much the shared parameters of a hypothesis may be off, drawn, (draws, shared): none in the first.
+    """Draw errors of the shared parameters of a hypothesis, (draws, shared); the first draw is zero.
 
-    Drawn from the covariance of its fit. What contradicts the release that it was fitted to, since far from the fit the
-    covariance does not hold, is drawn back.
+    They follow the covariance of its fit. Far from the fit that covariance does not hold: a draw that contradicts the
+    release of the fit is drawn back.
     """
     random, found = np.random.default_rng([2019, seed]), one.fit
     shared = [u.name for u in found.unknowns if u.window < 0]
@@ -137,7 +137,7 @@ def expected_evidence(
     *,
     pairs: Sequence[tuple[int, int]],
 ) -> ExpectedEvidence | None:
-    """Return what an experiment would tell between hypotheses; None where its motion runs away or is soon at rest.
+    """Estimate the evidence that an experiment gives between hypotheses; None where its motion diverges or soon stops.
 
     `last` is the largest release so far; `pairs` are places of a hypothesis that is true, at its fit, and of one to be
     refuted, which is refitted in a few steps.
@@ -169,7 +169,7 @@ def refitted(
     pairs: Sequence[tuple[int, int]],
     drawn: Sequence[Array],
 ) -> ExpectedEvidence:
-    """Return what an experiment would tell with some pairs refitted to the releases `so_far` and to the simulated one.
+    """Estimate the evidence again with some pairs refitted to the releases `so_far` and to the simulated one.
 
     Of few draws; the scatter is then that of what is not known and of what linear theory had wrong. An experiment that
     changes the rig stays as it is.
@@ -195,7 +195,7 @@ def refitted(
 
 
 def _window(experiment: Experiment, last: PreparedDecay, first: Hypothesis) -> FitWindow | None:
-    """Return the window that an experiment would be compared in, as far as the likeliest hypothesis says."""
+    """Return the window that an experiment would be compared in, by the likeliest hypothesis."""
     window = window_of(experiment, last, first.fit.windows[0])
     problem = Problem(first.fit.model, (window,), first.fit.frequency, coarse=True)
     theta = problem.theta(carried_over(experiment, last, first.fit)[0])
@@ -227,7 +227,7 @@ def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: Fi
 
 
 def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Array, Array]:
-    """Return what the records so far say of the unknowns of a problem: their precision, and a root of their covariance.
+    """Return the precision of a problem's unknowns from the records so far, and a root of their covariance.
 
     (unknowns, unknowns) each. Of what belongs to the new record alone they say nothing; what lies at its bound stays there.
     """
@@ -254,7 +254,7 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
 
 
 def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
-    """Yield the readings of a hypothesis at parameters that are off by what is drawn; those of its fit where they run away.
+    """Simulate a hypothesis at each draw of its parameters; at its fit where the motion diverges.
 
     Of a law without a name they are alike; a random walk is another one each time.
     """
@@ -275,7 +275,7 @@ def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str
 
 
 def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
-    """Return the force per unit mass of what acts beside the fit of a hypothesis, along a motion, (n,)."""
+    """Return the force per unit mass that acts beside the fit of a hypothesis, along a motion, (n,)."""
     if one.shape is not None:  # beyond where it was seen it stays as it is
         first = one.shape.shapes[0]
         position, factor = coordinates(time, u, v)[first.coordinate]
@@ -287,20 +287,20 @@ def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: in
 
 
 def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> float:
-    """Return the smallest sum of squares, prior included, that a linear step leaves of a misfit (n,)."""
+    """Return the smallest sum of squares, prior included, to which a linear step reduces a misfit (n,)."""
     gradient = jacobian @ misfit + precision @ off
     best = _solve(jacobian @ jacobian.T + precision, gradient)
     return float(misfit @ misfit + off @ precision @ off - gradient @ best)
 
 
 def _sound(jacobian: Array) -> bool:
-    """Whether a Jacobian can be squared: that of a motion that all but runs away cannot."""
+    """Check that a Jacobian can be squared: that of a motion that nearly diverges cannot."""
     with np.errstate(over="ignore", invalid="ignore"):
         return bool(np.isfinite(jacobian @ jacobian.T).all())
 
 
 def _solve(normal: Array, right: Array) -> Array:
-    """Return the solution of symmetric equations; of what they do not determine, none."""
+    """Solve symmetric equations; unknowns that they do not determine become zero."""
     size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     values, vectors = np.linalg.eigh(normal / np.outer(size, size))
     inverse = np.where(values > _FLAT, 1.0 / np.maximum(values, _FLAT), 0.0)

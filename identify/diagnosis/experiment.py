@@ -37,7 +37,7 @@ class Experiment:
 
 
 def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) -> FitWindow:
-    """Return the window in which an experiment would be read, its readings a cosine that stands in for them.
+    """Make the window of an experiment; its readings are a cosine until the experiment is simulated.
 
     `last` is the largest release so far, `window` as it was fitted. The noise is that of the record; of a further sensor it
     is as large a share of the motion as that of the first channel. Coarse where the rate allows: 24 readings a cycle.
@@ -83,7 +83,7 @@ def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) ->
 def cut_where_small(
     window: FitWindow, displacement: Array, smallest: float, cycle: float
 ) -> FitWindow | None:
-    """Return a window that ends where a motion (n,) falls below an amplitude; None where fewer than five cycles remain."""
+    """Cut a window where a motion (n,) falls below an amplitude; None where fewer than five cycles remain."""
     large = np.flatnonzero(np.abs(displacement) >= smallest)
     samples = int(large[-1] + 0.5 * cycle * window.rate) if len(large) else 0
     if samples < 5.0 * cycle * window.rate:
@@ -125,7 +125,7 @@ def carried_over(
 
 
 def has_memory(found: Fit) -> bool:
-    """Whether internal states at the start of a release are unknown in a fit: a rest before it would settle them."""
+    """Check whether a fit has unknown internal states at the start of a release: a rest before it would fix them."""
     return any(u.id.role == "state" for u in found.unknowns if u.window == 0) and any(
         isinstance(t.effect, ForceEffect) and t.force.rates is not None and t.force.fading_memory
         for t in found.model.forces
@@ -133,7 +133,7 @@ def has_memory(found: Fit) -> bool:
 
 
 def signed_amplitude(last: PreparedDecay) -> float:
-    """Return the displacement from which a release was let go, with its side; the largest where that was not seen."""
+    """Return the signed displacement from which a mass was let go; the largest one where the release was not recorded."""
     before = last.window.pre_release
     if before is not None and abs(before.displacement[0]) > 0.5 * last.amplitude:
         return float(before.displacement[0])
@@ -141,7 +141,7 @@ def signed_amplitude(last: PreparedDecay) -> float:
 
 
 def _held_before(amplitude: float, w: float, first: float) -> PreReleaseMotion:
-    """Return a mass that is held still for a second and let go, up to the first sample that is compared (s)."""
+    """Describe a mass that is held still for a second and let go, up to the first sample that is compared (s)."""
     time = np.array([-1.0, 0.0, max(first, 1e-6)])
     angle = w * np.maximum(time, 0.0)
     return PreReleaseMotion(time, amplitude * np.cos(angle), -amplitude * w * np.sin(angle))

@@ -1,4 +1,4 @@
-"""The explanation: two sentences that an engineer accepts."""
+"""The explanation of a verdict, in two sentences with numbers."""
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def explain(
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
 ) -> str:
-    """Return why the verdict is what it is, with numbers and the alternatives that remain."""
+    """Explain the verdict, with numbers and the alternatives that remain."""
     verdict, together, shape = judgement.verdict, judgement.together, judgement.shape
     confirmation, too_small = judgement.confirmation, judgement.too_small
     if verdict == "nothing_missing" and too_small:
@@ -93,17 +93,17 @@ def floor_of(baseline: Baseline) -> str:
 
 
 def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
-    """Return what a sure effect removes that is less than was asked of a name, and what the model leaves without it."""
+    """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
     name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
     return (
-        f"{name} is sure, but removes {three_figures(removed)} % of the motion only: less than was asked of a name. Without "
+        f"{name} is sure, but it removes only {three_figures(removed)} % of the motion, too little for a name. Without "
         f"it the model leaves {left} % of the motion, a reduced chi-square of "
         f"{three_figures(baseline.reduced(baseline.fit))}."
     )
 
 
 def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
-    """Return why nothing is said to be missing: the floor is reached, with or without a small line, or hardly missed."""
+    """Explain why nothing is missing: the floor is reached, with or without a small line, or the rest is too small."""
     left = three_figures(baseline.reduced(baseline.fit))
     whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
     floor = f"the noise floor ({floor_of(baseline)})"
@@ -115,7 +115,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
         )
     if not baseline.adequate(baseline.fit):
         return (
-            f"The model explains all but {whole}: too little to be worth a name, though it leaves a reduced chi-square of "
+            f"The model explains all but {whole}. That is too little to be worth a name, although the reduced chi-square is "
             f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
     first = (
@@ -124,7 +124,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     )
     if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < LARGE:
         return first
-    return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
+    return f"{first} But that floor is hardly known, and the residual is {whole}: a force may hide in it."
 
 
 def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
@@ -133,7 +133,7 @@ def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -
 
 
 def _line_in_words(line: Suspect) -> str:
-    """Return what a line of a sensor is that is too small to be named."""
+    """Describe a sensor's line that is too small to be named."""
     frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
     share = three_figures(line_percent(line.fit, line.term))
     what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
@@ -144,7 +144,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(quantities(top.parameters))
     if not top.strength_known:
-        numbers = "how strong, this record does not tell"
+        numbers = "this record does not determine its strength"
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
@@ -155,26 +155,26 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
     return (
         f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
-        f"{after}, the noise floor being {floor_of(baseline)}.{_small(baseline, top, settled)}"
+        f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
 
 
 def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Return that a sensor's fault is the lesser part of what the model leaves, the rest excused by a guess; "" else."""
+    """Warn that a sensor's fault is the smaller part of the residual, and only a guessed floor excuses the rest; or ""."""
     before, left = motion_percent(baseline.fit), motion_percent(settled.fit)
     share = (removed_percent(baseline.fit, settled.fit) / before) ** 2
     if top.kind == "physics" or baseline.floor_is_sure or left < LARGE or share > _LESSER_PART:
         return ""
     part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
     return (
-        f" That is {part} of what the model leaves: {three_figures(left)} % of the motion is left with it, which "
-        "only a floor that is a guess excuses, and in which a force may hide."
+        f" That is {part} of the residual: {three_figures(left)} % of the motion remains with it. Only a guessed noise "
+        "floor accepts that, and a force may hide in it."
     )
 
 
 def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Return that a force is sure and small, and how to make sure of it; "" where it is not so."""
+    """Warn that a named force is small, and say how to make sure of it; "" where it is not small."""
     removed = removed_percent(baseline.fit, settled.fit)
     if top.kind != "physics" or removed >= LARGE or max(d.window.release for d in baseline.decays) > 0:
         return ""
@@ -185,7 +185,7 @@ def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
 
 
 def _between(top: Suspect) -> str:
-    """Return between which named effects a law with a free exponent lies."""
+    """Compare a law of a free exponent with the nearest named effect."""
     family = FAMILY_OF[top.effect]
     exponent = top.parameters[family.exponent]
     nearest = family.nearest(exponent.value)
@@ -196,11 +196,11 @@ def _between(top: Suspect) -> str:
 
 
 def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
-    """Return what else would explain the record, what is as good first."""
+    """Say which other effects would explain the record, those that are as good first."""
     if top.effect in FAMILY_OF:
         return _between(top)
     if top.rivals:
-        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}."
+        return f"This record does not distinguish it from {among([plain_name(name) for name in top.rivals], 'or')}."
     tried = [s for s in others if s.corrected is None]
     tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
@@ -210,19 +210,19 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
-        return "No other effect explains anything of it."
+        return "No other effect explains any of it."
     return (
-        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
+        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leave "
         f"{_times_the_noise(best.error_after)}."
     )
 
 
 def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:
-    """Return what else takes as much away where the model is at the floor as it stands."""
+    """Say which effects lower the misfit as much, where the model reaches the floor without any of them."""
     before = baseline.reduced(baseline.fit)
     near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
     also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
-    return f"The model is at the floor without it, too: what is named is small{also}."
+    return f"The model reaches the floor without it, too: the named effect is small{also}."
 
 
 def _listed(suspects: list[Suspect]) -> str:
@@ -233,7 +233,7 @@ def _listed(suspects: list[Suspect]) -> str:
 
 
 def _explained(baseline: Baseline, suspect: Suspect) -> float:
-    """Return the share, 0 to 1, of what the model leaves above the noise that a suspect takes away."""
+    """Return the share, 0 to 1, of the misfit above the noise that a suspect explains."""
     before = baseline.reduced(baseline.fit)
     return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
@@ -244,7 +244,7 @@ def _times_the_noise(reduced: float) -> str:
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
-    """Return what a fit leaves, in % of the motion and beside the noise; beside the noise alone at a sure floor."""
+    """State a fit's residual in % of the motion and as a multiple of the noise; the multiple alone at a sure floor."""
     times = _times_the_noise(chi_square)
     return (
         times
@@ -254,7 +254,7 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
 
 
 def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
+    """Find the plausible suspect with the smallest residual, where the first suspect explains more than chance
     would; None otherwise.
     """
     if not suspects or not suspects[0].claimed:
@@ -264,18 +264,18 @@ def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
 
 
 def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
-    """Return how much the model leaves and how much of it named effects explain, each alone."""
+    """State how much the model leaves and how much of it named effects explain, each alone."""
     whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
     floor = f"where the floor is {floor_of(baseline)}"
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
-        rest = "what is left has no name"
+        rest = "the residual has no name"
         if baseline.adequate(most[0].fit):
             rest = (
-                "this record does not tell them apart"
+                "this record does not distinguish them"
                 if len(most) > 1
-                else "one release does not vouch for it"
+                else "one release is not enough to confirm it"
             )
         return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
     first = f"Something is missing that the library does not name: the model leaves {whole}"
@@ -286,7 +286,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
 
 
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
-    """Return what the suspects would leave, each alone, from the best on."""
+    """State the residual with each suspect alone, the best first."""
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
     listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
@@ -328,8 +328,8 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
     before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
         f"A sensor is at fault: {plain_name(top.effect.name)}{_where(top)} ({numbers}); without allowing for it "
-        f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
-        f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
+        f"the reduced chi-square is {before}, with it {after}; the noise floor is {floor_of(baseline)}. "
+        f"Once it is corrected the forces are not affected; {top.effect.confirming_test}."
     )
 
 

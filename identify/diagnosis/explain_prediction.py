@@ -1,4 +1,4 @@
-"""The explanation where prediction decides: what predicts, what does not, and what drives a motion that does not die."""
+"""The explanation where prediction decides: what predicts, what does not, and a motion that does not die away."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
 
 def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str:
-    """Return what is missing, what it predicts, and what has no name."""
+    """Explain which effects are missing, what they predict, and what has no name."""
     sentences = []
     for suspect in suspects:
         effect = suspect.confirmed
@@ -23,7 +23,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         numbers = ", ".join(quantities(suspect.parameters))
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which moves "
+            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which changes "
             f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The evidence against a "
             f"drift of the rig, or a law without a name, is {effect.nats:.0f} nats{alike}."
@@ -32,9 +32,9 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
 
 
 def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:
-    """Return that something is left which no effect predicts, how much it is, and what may be behind it.
+    """Explain that no effect predicts the residual, how large it is, and what may cause it.
 
-    `before` is the reduced chi-square of the model as it is.
+    `before` is the reduced chi-square of the model.
     """
     size = three_figures(found.usual.typical("motion"))
     others = "the other" if found.parts == 2 else "all the others"
@@ -47,7 +47,7 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
 
 
 def _unclear(suspect: Suspect, before: float) -> str:
-    """Return that a force would explain nearly all of it, were its strength clear of none; "" where it is not so."""
+    """Say that a force would explain nearly all of it, but its strength may be zero; "" where that is not so."""
     share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
     strength = suspect.parameters.get(suspect.effect.strength.name)
     if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
@@ -56,13 +56,12 @@ def _unclear(suspect: Suspect, before: float) -> str:
         return ""
     return (
         f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "
-        "its strength, "
-        f"{quantities({suspect.effect.strength.name: strength})[0]}, is not clear of zero."
+        f"its strength, {quantities({suspect.effect.strength.name: strength})[0]}, may be zero."
     )
 
 
 def explain_driven(found: Confirmation, unit: str) -> str:
-    """Return that the motion does not die away, and at which amplitude and frequency it goes on."""
+    """Explain that the motion does not die away, with the amplitude and the frequency at which it goes on."""
     curve = next(curve for curve in found.curves if curve.driven)
     frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
     late = curve.late
@@ -80,9 +79,9 @@ def explain_driven(found: Confirmation, unit: str) -> str:
 
 
 def _prediction(found: Confirmation) -> str:
-    """Return on how many parts the prediction is confirmed, and the error before and after."""
+    """State on how many parts the prediction is confirmed, and its error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")
-    left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
+    left = "" if after < 1.0 else f"; the residual, {three_figures(after)} % of the motion, has no name"
     basis = f"Confirmed on {found.better} of {found.parts} other releases"
     if found.one_record:
         basis = f"Confirmed within this record, on {found.better} of {found.parts} ranges of amplitude from the rest"
@@ -92,11 +91,15 @@ def _prediction(found: Confirmation) -> str:
 
 
 def _undecided(found: Confirmation) -> list[str]:
-    """Return what changes though nothing is named for it, and what would tell."""
+    """Say what changes although no effect is named for it, and which release would decide."""
     sentences, too = [], " too" if found.effects else ""
     another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
-        alike = f"{_among(names)} explain it alike" if len(names) > 1 else f"{_among(names)} would explain it"
+        alike = (
+            f"{_among(names)} explain it equally well"
+            if len(names) > 1
+            else f"{_among(names)} would explain it"
+        )
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
             "amplitude distinguishes time from amplitude."

@@ -1,13 +1,13 @@
-"""The judgement off the floor: where it is not reached, or could only be guessed.
+"""The judgement where the noise floor is not reached, or is only a guess.
 
-Chi-square alone names nothing there. Effects are named that predict what they were not fitted to; or one force whose
-free run leaves next to nothing, where the curves cannot say.
+Chi-square alone names nothing there. An effect is named if it predicts what it was not fitted to; or one force whose
+simulation leaves almost no residual, where the curves cannot decide.
 
 A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 
 Hum that stands between the harmonics has nothing to do with the motion, but it fills the misfit that a force must bring
-down to the floor. So what the best force leaves is asked for a line of a sensor. If there is one, the model gets it, noise
-is seen again in what both leave, and all suspects are tried again.
+down to the floor. So the residual of the best force is searched for a sensor's line. If there is one, the model gets it, the
+noise is estimated again from the residual of both, and all suspects are tried again.
 """
 
 from dataclasses import replace
@@ -39,10 +39,10 @@ _LINE_LEAVES = 0.5
 
 
 def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    """Return the judgement of one effect that reaches a guessed floor.
+    """Judge one effect that reaches a guessed floor.
 
-    A line of a sensor must be worth a name; a smaller one is part of the model that is judged, and a remark. The strength
-    of a force must be clear of none: what bends enough reaches any guess. Of forces that are not told from it the one
+    A line of a sensor must be worth a name; a smaller one joins the model that is judged, with a remark. The strength
+    of a force must differ clearly from zero: a flexible law can fit any assumed noise. Of indistinguishable forces the one
     without a constant of its own leads, else the simplest; a law of time among laws of the amplitude names nothing.
     """
     line = alone.ranked[0]
@@ -60,15 +60,15 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
 
 
 def unclaimed(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Return the candidates, none of them claimed."""
+    """Withdraw the claim of every candidate."""
     return tuple(replace(entry, claimed=False) for entry in ranked)
 
 
 def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Return the leader and, of a force, the plausible forces at the floor that are not told from it, best first.
+    """List the leader and, if it is a force, the plausible forces at the floor not distinguishable from it, best first.
 
-    Against a guess of the floor a few nats say nothing: of these the simplest leads, and a law of time among laws of the
-    amplitude is told from them by another release only.
+    Against a guessed floor a few nats mean nothing: the simplest leads, and only another release distinguishes a law of
+    time from laws of the amplitude.
     """
     first = ranked[0]
     if not first.term.is_force:
@@ -82,7 +82,7 @@ def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate
 def by_curves(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None, best: Fit
 ) -> Judgement:
-    """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains.
+    """Judge a misfit above the floor: name what the curves confirm, however much of it that explains.
 
     `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name.
     """
@@ -107,7 +107,7 @@ def by_curves(
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Return the judgement that names what curves confirm, with their evidence."""
+    """Name what the curves confirm, with their evidence."""
     first = tuple(
         Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )
@@ -121,7 +121,7 @@ def _of_confirmed(
 def _by_free_run(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None
 ) -> Judgement | None:
-    """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
+    """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
     time, leaves next to nothing of what the model left, and its strength is clear of none.
@@ -143,7 +143,7 @@ def _by_free_run(
 
 
 def is_predicted(candidate: Candidate) -> bool:
-    """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then."""
+    """Check whether a force has exactly the strength of the linear term that it replaces, so has no constant of its own."""
     effect = candidate.term.effect
     part = effect.may_be_all_of if isinstance(effect, ForceEffect) else None
     name = None if part is None else candidate.fit.model.linear_strength(part)
@@ -155,7 +155,7 @@ def is_predicted(candidate: Candidate) -> bool:
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
-    """Return the model with the confirmed effects, fitted to all readings; None where that only makes it worse.
+    """Fit the model with the confirmed effects to all readings; None where that only makes it worse.
 
     It begins from the strengths that the curves give, once with the states of the model as it was and once with those
     of the measured motion, and with the effects one after the other; the best end counts.
@@ -180,7 +180,7 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
 
 
 def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
-    """Return the fit to which each confirmed effect is added in turn, from all its starting values."""
+    """Add the confirmed effects to a fit one after the other, each from all its starting values."""
     end = baseline.fit
     for effect in found.effects:
         tried = try_terms(baseline.decays, end, (effect.term,))
@@ -192,7 +192,7 @@ def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
 def line_beside(
     baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> tuple[Candidate, Baseline, tuple[Candidate, ...]] | None:
-    """Return the line that a sensor has beside the best force, the model as fitted with it, and the suspects beside both.
+    """Find a sensor's line beside the best force; return it, the fit with it, and the suspects beside both.
 
     None where no force is claimed, where one reaches the floor, or where what it leaves holds no line of a sensor.
     """
@@ -215,7 +215,7 @@ def line_beside(
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | None:
-    """Return the line of a sensor in what a fit leaves; None where none stands clear of the residual around it and lasts."""
+    """Find a sensor's line in the residual of a fit; None where none stands clear of the spectrum around it and lasts."""
     found = next((c for c in singles(behind, lines) if c.plausible), None)
     if found is None:
         return None
@@ -230,5 +230,5 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
 
 
 def _is_steady_force(entry: Candidate) -> bool:
-    """Whether a suspect is a force that the motion makes: a line of a force is no better known than that of a sensor."""
+    """Check that a suspect is a force made by the motion: a shaking force is no better known than a sensor's line."""
     return entry.term.is_force and not entry.term.effect.line

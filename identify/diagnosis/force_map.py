@@ -1,6 +1,6 @@
 """Force maps: the force that a model lacks, and what a suspect would add, by amplitude and phase of the cycle.
 
-Both are taken along the measured motion after the base model has been refitted, so that they show only what the
+Both are computed along the measured motion after the base model was refitted, so they show only what the
 base cannot follow; of the right suspect the two look alike.
 """
 
@@ -43,7 +43,7 @@ def force_left(prepared: PreparedDecay, base: Fit) -> Array:
 
 
 def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, index: int = 0) -> Array:
-    """Return what a suspect adds to the base's force where the base cannot follow, shape (n,).
+    """Return the part of a suspect's force that the base cannot follow, shape (n,).
 
     `found` is the base refitted with `term`, `index` the place of the release among its windows. A sensor's fault counts
     as the force for which it would be taken.
@@ -61,7 +61,7 @@ def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, inde
 
 
 def _as_force(prepared: PreparedDecay, found: Fit, term: Term, index: int) -> Array:
-    """Return the force per unit mass for which a sensor's fault is taken: directly, or by the stiffness."""
+    """Return the force per unit mass that a sensor's fault looks like: directly, or by the stiffness."""
     fault, channel = term.fault, term.channel
     window = found.windows[index]
     if fault.corrected_in_every_fit or channel not in window.readings:

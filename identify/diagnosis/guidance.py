@@ -1,4 +1,4 @@
-"""Guidance: whether releases so far have settled what is missing, or which one to record next."""
+"""Guidance: whether the releases so far have settled what is missing, or which one to record next."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -42,19 +42,19 @@ class Guidance:
 
 
 def first_release(limits: Limits) -> Guidance:
-    """Return the first release, of which nothing is known yet: the geometric mean of the limits."""
+    """Choose the first release, before anything is known: the geometric mean of the limits."""
     middle = float(f"{(max(limits.low, 0.05 * limits.high) * limits.high) ** 0.5:.2g}")
     return Guidance(
         "go_on",
-        "Nothing is known yet: an amplitude in the middle of the limits leaves room on both sides.",
+        "Nothing is known yet: begin in the middle of the limits, with room on both sides.",
         Experiment(middle),
     )
 
 
 def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
-    """Return where a test stands that has recorded so many releases, diagnosed together.
+    """Decide whether a test is over after so many releases, diagnosed together, or what to record next.
 
-    It ends when no release is expected to tell more: between the hypotheses that are open, or of what can still hide beside
+    It ends when no release is expected to tell more: between the open hypotheses, or about what can still hide beside
     the likeliest. A name needs one release more than it has effects. Where a law of a free exponent explains more, that is
     confirmed. A law without a name predicts nothing beyond the largest release: so one must come from the upper limit.
     """
@@ -66,14 +66,14 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     named, nameless = leading(found), found.verdict in ("unknown_effect", "unconfirmed")
     enough = releases >= max(FEWEST, 1 + len(named)) and found.verdict != "not_enough_data"
     if enough and nameless and far and not found.hypotheses[0].has_law:
-        words = "Something is missing that has no name here, as all releases say."
+        words = "Something is missing that has no name here; all releases agree."
         return Guidance("no_name", words, None, chosen)
     if enough and not more and (far or not nameless):
         return _no_more(found, releases, chosen, limits)
     if releases >= MOST:
         return Guidance("given_up", f"{MOST} releases have not settled it.", None, chosen)
     if chosen is None or not more:
-        words = "Another release must bear it out: the largest amplitude shows most."
+        words = "Another release must confirm it: the largest amplitude shows most."
         return Guidance("go_on", words, _largest(found, limits), chosen)
     if named and _settled(found):
         words = f"{_named(named)} explains it so far. {chosen.words}"
@@ -82,10 +82,10 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
 
 
 def what_it_gave(told: Guidance, before: Diagnosis, after: Diagnosis) -> float | None:
-    """Return the evidence (nats) that a release gave between the two hypotheses for which it was asked for.
+    """Return the evidence (nats) that a release gave between the two hypotheses it was meant to distinguish.
 
-    Half of what chi-square of the second rose by more than that of the first; None where it was asked for to see what can
-    hide, or where one of them was not fitted again.
+    This is half of the amount by which the second's chi-square rose more than the first's; None where the release was
+    meant to show what can hide, or where one of the two was not fitted again.
     """
     chosen = told.chosen
     if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
@@ -103,7 +103,7 @@ def what_it_gave(told: Guidance, before: Diagnosis, after: Diagnosis) -> float |
 
 
 def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits: Limits) -> Guidance:
-    """Return how a test ends of which no release tells more."""
+    """Decide how a test ends when no further release would tell more."""
     if found.verdict == "nothing_missing":
         why = "" if chosen is None else f" {chosen.words}"
         return Guidance("nothing", f"Nothing is missing between the limits.{why}", None, chosen)
@@ -113,7 +113,7 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
     named, near = leading(found), _near(found)
     if named != found.named and not near:
         nearly = among([plain_name(name) for name in found.named])
-        words = f"{_named(named)}: {nearly} would do nearly, but this explains the releases better."
+        words = f"{_named(named)}: {nearly} would nearly do, but this explains the releases better."
         return Guidance("confirmed", words, None, chosen, named)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
@@ -122,22 +122,22 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
     alike = among([one.title for one in near])
     words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
     if chosen is not None and chosen.instead is not None and not chosen.hidden:
-        words = f"{_named(named)}, or what is the same here. {chosen.words}"
+        words = f"{_named(named)}, or a law that does the same here. {chosen.words}"
     return Guidance("alike", words, None, chosen, named, tuple(one.names for one in near))
 
 
 def leading(found: Diagnosis) -> tuple[str, ...]:
-    """Return what a verdict names; or what leads beside it: a free exponent, or one of several effects exchanged."""
+    """List what a verdict names; or what leads beside it: a free exponent, or one of several effects exchanged."""
     return found.hypotheses[0].names if found.named else ()
 
 
 def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> str:
-    """Return what a test cannot exclude where a law is confirmed: other laws, and what begins above all releases; or ""."""
+    """Say what a test cannot exclude where a law is confirmed: other laws, and what begins above all releases; or ""."""
     parts, reach = [], _reach(found)
     if reach < _REACHED * limits.high:
         unit = found.baseline.decays[0].window.unit
         amplitude = f"{1e3 * reach:.3g} mm" if unit == "m" else f"{reach:.3g} {unit}"
-        parts.append(f"What begins above {amplitude} was not seen.")
+        parts.append(f"A force that begins above {amplitude} was not seen.")
     if near:
         has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")
         laws = among([one.title for one in near])
@@ -152,12 +152,12 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
 
 
 def _settled(found: Diagnosis) -> bool:
-    """Whether what is named leaves all other hypotheses DOUBT at most."""
+    """Check that all hypotheses but the named one share a probability of DOUBT at most."""
     return found.hypotheses[0].names == leading(found) and bool(odds(found.hypotheses)[0] >= 1.0 - DOUBT)
 
 
 def _near(found: Diagnosis) -> list[Hypothesis]:
-    """Return the hypotheses that are not decided against what is named: all others leave DOUBT at most."""
+    """List the hypotheses still open against what is named: all others together have DOUBT at most."""
     chances, named = odds(found.hypotheses), leading(found)
     others = [(c, one) for c, one in zip(chances, found.hypotheses, strict=True) if one.names != named]
     left, near = sum(c for c, _ in others), []
@@ -170,7 +170,7 @@ def _near(found: Diagnosis) -> list[Hypothesis]:
 
 
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
-    """Whether another hypothesis has more parameters than what is named, and explains no more for it."""
+    """Check whether another hypothesis has more parameters than what is named, yet explains no more."""
     named = next(one for one in found.hypotheses if one.names == leading(found))
     own = len(other.fit.parameters) + len(other.within or ())
     more = own > len(named.fit.parameters)

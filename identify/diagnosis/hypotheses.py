@@ -78,10 +78,10 @@ def hypotheses_of(
     shape: NonparametricForce | None = None,
     walk: RandomWalk | None = None,
 ) -> tuple[Hypothesis, ...]:
-    """Return the hypotheses, the likeliest first, with the evidence by which the judge ranks (`marginal_likelihood`).
+    """List the hypotheses, the likeliest first, with the evidence that ranks them (`marginal_likelihood`).
 
     `named` is what the verdict names, fitted in `final`. Where nothing is claimed they are forces that another amplitude
-    may show, the closest and those by which a detection limit is told.
+    may show: the closest ones, and those for which a detection limit is stated.
     """
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
@@ -136,7 +136,7 @@ def _agreeing(
     *,
     quiet: bool,
 ) -> list[Hypothesis]:
-    """Return hypotheses with odds that agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
+    """Set the odds of the hypotheses to agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         unknown = [one for one in weighed if one.names not in judged]
@@ -153,7 +153,7 @@ def _agreeing(
 def with_rivals(
     suspects: tuple[Suspect, ...], named: Sequence[str], hypotheses: Sequence[Hypothesis]
 ) -> tuple[Suspect, ...]:
-    """Return suspects of which each of several that are named has as rivals what is not distinguishable in its place."""
+    """Give each of several named suspects its rivals: the effects not distinguishable in its place."""
     if len(named) < 2:
         return suspects
     near = [one.names for one in hypotheses if hypotheses[0].log_odds - one.log_odds < RIVALS_WITHIN]
@@ -165,7 +165,7 @@ def with_rivals(
 
 
 def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
-    """Return the evidence (nats) of a hypothesis against the `base` without its effects; noise is `widened` as by chance."""
+    """Return the evidence (nats) of a hypothesis against the `base` without its effects, in noise `widened` by a factor."""
     if one.fit is base:
         return 0.0
     if one.free is None:
@@ -180,7 +180,7 @@ def _of_shape(base: Fit, widened: float) -> float:
 
 
 def _at_rest(baseline: Baseline, found: Fit) -> float:
-    """Return what the rest before the releases says of what a fit has beyond the baseline, nats."""
+    """Return the evidence (nats) of the rest before the releases for what a fit has beyond the baseline."""
     added = (term for term in found.model.terms if term.effect.name not in baseline.fit.model)
     return sum(at_rest(baseline.decays, found, term) for term in added)
 
@@ -188,7 +188,7 @@ def _at_rest(baseline: Baseline, found: Fit) -> float:
 def _swapped(
     baseline: Baseline, suspects: Sequence[Suspect], named: Sequence[str], final: Fit
 ) -> list[Hypothesis]:
-    """Return what is named with one of several effects exchanged for one that it may be mistaken for."""
+    """List the named sets with one of several effects exchanged for one that it may be mistaken for."""
     if len(named) < 2 or not baseline.floor_is_sure:
         return []
     found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
@@ -204,7 +204,7 @@ def _swapped(
 
 
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
-    """Return a suspect as a hypothesis; a law of time with its inner parameters within what the library may reach.
+    """Make a suspect a hypothesis; the inner parameters of a law of time stay within the range of its name.
 
     Beyond it another effect is the better name for the same force: what settles in hours drifts.
     """
@@ -236,7 +236,7 @@ def _recorded(decay: PreparedDecay) -> float:
 
 
 def _hides(suspect: Suspect) -> bool:
-    """Whether an effect may show at another amplitude: what goes by the clock shows at each."""
+    """Check whether an effect may show at another amplitude only: a law of time shows at each."""
     effect = suspect.effect
     return suspect.kind == "physics" and not effect.line and not effect.of_time
 
@@ -258,17 +258,17 @@ def _as_judged(
 
 
 def _apart(others: int) -> float:
-    """Return the nats by which each of several that the verdict leaves out is behind at least: together they have DOUBT."""
+    """Return the nats by which each of several excluded hypotheses is behind at least: together they have DOUBT."""
     return RIVALS_WITHIN + float(np.log(max(others, 1)))
 
 
 def what_can_hide(
     decays: tuple[PreparedDecay, ...], lead: Hypothesis, library: Sequence[Effect]
 ) -> tuple[Hypothesis, ...]:
-    """Return what may be there beside a hypothesis, as strong as the releases still allow, with its odds beside it.
+    """List what may act beside a hypothesis, as strong as the releases still allow, with its odds.
 
-    These are the effects by which detection limits are told: one that grows with the displacement, one with the speed. None
-    is as probable as all together to begin with.
+    These are the effects with stated detection limits: one that grows with the displacement, one with the speed. Before
+    the data, none is as probable as all together.
     """
     effects = [effect for effect in library if effect.shows_detection_limit and effect.name not in lead.names]
     terms = candidate_terms(lead.fit.model, effects, decays[0].window)

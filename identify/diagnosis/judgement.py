@@ -1,6 +1,6 @@
-"""The judgement: what is claimed, what is not told apart, what is to be said. It is decided here and nowhere else.
+"""The judgement: what is claimed, what is not distinguishable, and the verdict. Nothing else decides these.
 
-Here where the floor is reached or sure; off it in `floor_not_reached`. What each candidate's reason is worth: `ranking`.
+This module judges where the floor is reached or sure; `floor_not_reached` elsewhere. `ranking` weighs each candidate.
 """
 
 from collections.abc import Callable
@@ -29,10 +29,10 @@ def judge(
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name.
+    """Decide the verdict: nothing is missing, one effect reaches the floor, several do together, or no name does.
 
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `predict` is asked what the
-    curves of the decay confirm. There a line of a sensor is allowed for beside a force.
+    curves of the decay confirm. There the fit also allows for a sensor's line beside a force.
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
@@ -51,7 +51,7 @@ def judge(
 
 
 def large_enough(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
-    """Return the judgement, which names no force that removes less than `worth` % of the motion: sure is not yet large.
+    """Withdraw the name of a force that removes less than `worth` % of the motion, even if it is sure.
 
     What curves confirm removes error of prediction, all else misfit of the free run.
     """
@@ -75,7 +75,7 @@ def _judged(
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Decide the verdict for a fitted model, without what a sensor's line and faults that every fit corrects say.
+    """Decide the verdict for a fitted model, leaving aside a sensor's line and the faults that every fit corrects.
 
     | who reaches the floor | sure floor | guessed floor |
     |---|---|---|
@@ -121,7 +121,7 @@ def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Severa
 
 
 def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
-    """Return the suspects in order, first what the verdict names, if it names any; `settled` is the fit with that."""
+    """List the suspects in order, first those that the verdict names; `settled` is the fit with these."""
     faults = unnamed_faults(baseline.decays, baseline.fit)
     entries = [_suspect(baseline, entry, judgement, settled) for entry in judgement.ranked]
     sensors = sorted(
@@ -160,7 +160,7 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
 
 
 def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:
-    """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
+    """Make a suspect of a fault that every fit corrects, with the residual of the model that names it."""
     others = [f for f in faults if f is not fault]
     chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
     return Suspect(

@@ -1,4 +1,4 @@
-"""The ladder: effects are added or removed one by one, and the error falls to the floor, step by step."""
+"""The ladder: effects are added or removed one by one until the error falls to the noise floor."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -69,7 +69,7 @@ class Ladder(Summarised):
         return self.steps[-1]
 
     def brief(self) -> Summary:
-        """Return the errors of each step, and why the ladder ends."""
+        """Summarize the errors of each step, and why the ladder ends."""
         rows = [
             (
                 f"+ {step.added}"
@@ -100,12 +100,12 @@ def first_step(
     model: Model | None = None,
     known: dict[str, float] | None = None,
 ) -> Step:
-    """Return the step on which a ladder stands: a model (the base model unless given) as fitted."""
+    """Fit the first step of a ladder: the base model unless another is given."""
     return step_of(fit_baseline(segments_of(decays), model or base_model(), known))
 
 
 def add_found(step: Step, suspect: Suspect, found: Fit) -> Step:
-    """Return the next step: the model with an effect that a diagnosis named, from the values that it found.
+    """Add an effect that a diagnosis named, from the values that it found.
 
     `found` is the fit with all that was named. The effect is also tried afresh, and the better end counts.
     """
@@ -121,7 +121,7 @@ def add_found(step: Step, suspect: Suspect, found: Fit) -> Step:
 
 
 def add_effect(step: Step, effect: Effect) -> Step:
-    """Return the next step: the model with one more effect in its best variant.
+    """Add one more effect in its best variant.
 
     Raises ValueError when the effect is in the model, NotIdentifiable when this record cannot show it.
     """
@@ -143,7 +143,7 @@ def add_effect(step: Step, effect: Effect) -> Step:
 
 
 def remove_effect(step: Step, name: str) -> Step:
-    """Return the next step: the model without an effect; KeyError when it has none of that name."""
+    """Remove an effect from the model; KeyError when the model has none of that name."""
     baseline = step.baseline
     model = baseline.fit.model.minus(name)
     found = fit(model, baseline.fit.windows, baseline.fit.point, baseline.fit.frequency)
@@ -151,7 +151,7 @@ def remove_effect(step: Step, name: str) -> Step:
 
 
 def share_explained(step: Step, name: str, without: Step | None = None) -> float | None:
-    """Return the share, 0 to 1, of what the model leaves without an effect that it takes away; None where it is needed.
+    """Return the share, 0 to 1, of the misfit without an effect that the effect explains; None where it is needed.
 
     An effect is needed where chi-square rises by more without it than chance lets any effect lower it. `without` is the
     step without it, where that was fitted before.
@@ -168,7 +168,7 @@ def _needed(step: Step, without: Step) -> bool:
 
 
 def without_needless_effects(step: Step, kept: set[str]) -> list[Step]:
-    """Return steps that drop the effects without which the misfit hardly rises, the least useful first."""
+    """Remove the effects without which the misfit hardly rises, the least useful first, a step each."""
     dropped: list[Step] = []
     while True:
         here = dropped[-1] if dropped else step

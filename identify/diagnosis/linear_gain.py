@@ -1,7 +1,7 @@
-"""The linear gain: by how much one more effect lowers chi-square, were the misfit linear in its strength.
+"""The linear gain: by how much one more effect would lower chi-square if the misfit were linear in its strength.
 
-Where a model is so near the truth that a small force moves its prediction in proportion, one run for each value of an
-effect's inner parameters tells, before any fit, nearly what a fit would: what the model's own parameters can follow of
+Near the truth a small force changes the prediction in proportion. There one simulation for each value of an
+effect's inner parameters gives, before any fit, nearly the result of a fit: what the model's own parameters can follow of
 the misfit, and of the change that the effect makes, is left out.
 """
 
@@ -66,7 +66,7 @@ def probes(
     term: Term,
     start: dict[str, float],
 ) -> list[Array]:
-    """Return points near a fit at which a force is weakly present, one for each of its linear freedoms.
+    """List points near a fit at which a force is weakly present, one for each of its linear freedoms.
 
     `problem` is that of the model with the term, `start` has its inner parameters by their own names.
     """
@@ -89,7 +89,7 @@ def probes(
 
 
 def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) -> float | None:
-    """Return the strength at which an effect is weakly present along a motion; None where it has none, or runs away."""
+    """Return a strength at which an effect is weak along a motion; None where it has no strength, or diverges."""
     motion = prepared.motion
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     force = force_along(term, inner_values(term, inner), *along)
@@ -134,9 +134,9 @@ class Slope:
 
 
 def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:
-    """Return the places at which the linear gain of a force is larger than at their neighbours, the largest first.
+    """Find the local maxima of a force's linear gain, the largest first.
 
-    None of a fault. A line's are those of the residual's own lines.
+    A fault has none. For a line they are the residual's own lines.
     """
     starts = (term_starts if term.effect.line else reachable_starts)(term, scales)
     if not term.is_force or len(starts) < 2:
@@ -159,7 +159,7 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
 
 
 def _gain(misfit: Array, columns: Array, term: Term) -> float:
-    """Return by how much a force lowers chi-square with its strength and states free, each a column (n, columns)."""
+    """Return the fall of chi-square with a force whose strength and states are free, each a column (n, columns)."""
     if columns.shape[1] == 1 and term.effect.one_sided and misfit @ columns[:, 0] > 0.0:
         return 0.0
     basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)

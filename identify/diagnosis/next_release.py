@@ -1,4 +1,4 @@
-"""The next release: of those that the rig allows, the one that is expected to tell most between what is still open."""
+"""The next release: the one that is expected to distinguish the open hypotheses best, of those that the rig allows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -52,9 +52,9 @@ _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "vel
 
 @dataclass(frozen=True)
 class Limits:
-    """Between which displacements (positive, in their unit) a rig can be released, and with which mass (kg) added.
+    """The displacements (positive, in their unit) between which a rig can be released, and the mass (kg) that can be added.
 
-    `ways` are what can be done besides: "push" the mass, record "longer" or "faster", "rest" it before.
+    `ways` are other things that can be done: "push" the mass, record "longer" or "faster", "rest" it before.
     """
 
     low: float
@@ -65,7 +65,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Option:
-    """An experiment with the evidence that it is expected to give between two hypotheses (nats), and its time (s).
+    """An experiment with the evidence that it should give between two hypotheses (nats), and its time (s).
 
     `scatter` is the standard deviation over what is not known of the parameters, and over noise. `decides` is the evidence
     between all that is open, by their odds, of which no more counts than decides.
@@ -85,7 +85,7 @@ class Option:
 
 @dataclass(frozen=True, eq=False)
 class NextRelease:
-    """What to record next, `between` which two hypotheses it decides, and what else was thought of.
+    """What to record next, `between` which two hypotheses it decides, and the other experiments considered.
 
     `best` is feasible without a change to the rig, `same` the last amplitude once more, None where that is not possible.
     `instead` is a change to the rig that would tell enough where no release does, None elsewhere.
@@ -102,7 +102,7 @@ class NextRelease:
 
     @property
     def tells_more(self) -> bool:
-        """Whether a release within the limits is expected to decide between hypotheses: by as much as distinguishes any two.
+        """Whether a release within the limits is expected to decide between hypotheses.
 
         What can still hide must show there better than by doing the same again.
         """
@@ -111,10 +111,10 @@ class NextRelease:
 
     @property
     def words(self) -> str:
-        """What to do, with what it is expected to tell."""
+        """What to do, and what it is expected to show."""
         one, other = self.between
         if not self.tells_more and self.hidden:
-            return "No release within the limits would show much more of what can still hide than the same again."
+            return "No release within the limits would show much more of a hidden force than the same release again."
         if not self.tells_more:
             why = f"No release within the limits distinguishes {one} from {other}: {_about(self.best.nats)} at best"
             if self.instead is None:
@@ -157,7 +157,7 @@ def next_release(
     limits: Limits | None = None,
     hiding: Sequence[Hypothesis] | None = None,
 ) -> NextRelease | None:
-    """Return the release that is expected to tell most, for its time; None where nothing is open or can be simulated.
+    """Choose the release with the most expected evidence for its time; None where nothing is open or can be simulated.
 
     `decays` are the releases so far. It decides between the hypotheses that are open, and shows what can still hide beside
     the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `hiding` the two likeliest count as
@@ -206,7 +206,7 @@ def next_release(
 
 @dataclass(frozen=True, eq=False)
 class _Question:
-    """What is open: hypotheses, the likeliest first, and from `first_hiding` on what can hide beside the likeliest."""
+    """The open hypotheses, the likeliest first, and from `first_hiding` on what can hide beside the likeliest."""
 
     last: PreparedDecay
     considered: tuple[Hypothesis, ...]
@@ -214,33 +214,33 @@ class _Question:
 
     @cached_property
     def chances(self) -> Array:
-        """The odds of each, (hypotheses,); what is refuted, but beside which there is only one, counts as hardly open."""
+        """The odds of each, (hypotheses,); the second of two counts as hardly open though it is refuted."""
         return np.asarray(np.exp(np.clip([one.log_odds for one in self.considered], -OPEN, 0.0)))
 
     @cached_property
     def drawn(self) -> tuple[Array, ...]:
-        """Parameters of each as far as they are not known, (draws, shared)."""
+        """Draws of the errors of each hypothesis's parameters, (draws, shared)."""
         return tuple(draw_parameters(one, self.last, seed) for seed, one in enumerate(self.considered))
 
     @cached_property
     def so_far(self) -> tuple[SoFar, ...]:
-        """Each as the releases so far leave it."""
+        """Each hypothesis as fitted to the releases so far."""
         return tuple(SoFar.of(one) for one in self.considered)
 
     def ask(self, experiments: Sequence[Experiment]) -> list[ExpectedEvidence]:
-        """Return what experiments are expected to tell, those that can be simulated; by linear theory."""
+        """Estimate the evidence of those experiments that can be simulated, by linear theory."""
         found = [expected_evidence(one, self.last, self.considered, pairs=self.pairs) for one in experiments]
         return [one for one in found if one is not None]
 
     def refitted(self, one: ExpectedEvidence, pairs: Sequence[tuple[int, int]]) -> ExpectedEvidence:
-        """Return what an experiment would tell, with refits of some pairs where it had none."""
+        """Refit some pairs for an experiment, where it has no refits yet."""
         wanted = [pair for pair in pairs if pair not in one.refitted]
         if not wanted:
             return one
         return refitted(one, self.last, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
 
     def refined(self, tried: list[ExpectedEvidence]) -> list[ExpectedEvidence]:
-        """Return experiments with refits of those that lead, of the pairs that count most."""
+        """Refit the pairs that count most for the leading experiments."""
         weights = self._weights
         leading = [
             pair
@@ -259,7 +259,7 @@ class _Question:
         return tried
 
     def best(self, tried: Sequence[ExpectedEvidence]) -> ExpectedEvidence:
-        """Return the experiment that is worth most, of those that were refitted."""
+        """Choose the experiment of the most worth among those that were refitted."""
         return max((one for one in tried if one.refitted), key=self._by_worth)
 
     def _by_worth(self, one: ExpectedEvidence) -> tuple[float, float]:
@@ -267,7 +267,7 @@ class _Question:
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Each hypothesis, by its place, with a rival that can be refuted: one that contains it can follow it."""
+        """The places of each hypothesis and a rival that can be refuted: a rival that contains it cannot."""
         every = range(len(self.considered))
         return tuple((i, j) for i in every for j in every if i != j and self._refutable(i, j))
 
@@ -284,26 +284,26 @@ class _Question:
         return np.array([self.chances[i] * self.chances[j] for i, j in self.pairs])
 
     def decides(self, found: ExpectedEvidence) -> float:
-        """Return the evidence of an experiment between all pairs by their odds, of each no more than decides.
+        """Return the evidence of an experiment over all pairs, weighted by their odds, each capped at what decides.
 
-        0 where most motions run away.
+        0 where most motions diverge.
         """
         weights = self._weights
         nats = np.array([_mean(np.minimum(found.nats[pair], DECIDES)) for pair in self.pairs])
-        known = np.isfinite(nats)  # not of a motion that runs away
+        known = np.isfinite(nats)  # nan: the motion diverged
         if weights[known].sum() < 0.5 * weights.sum():
             return 0.0
         return float(np.sum(weights[known] * nats[known]) / weights[known].sum())
 
     def pair(self, tried: Sequence[ExpectedEvidence]) -> tuple[int, int]:
-        """Return the likeliest pair that some experiment decides, what is open before what can hide; else the likeliest."""
+        """Choose the likeliest pair that an experiment decides, open ones before hidden ones; else the likeliest pair."""
         best, chances = max(tried, key=self.decides), self.chances
         ranked = sorted(self.pairs, key=lambda p: (p[0] >= self.first_hiding, -chances[p[0]] * chances[p[1]]))
         able = [pair for pair in ranked if _mean(best.nats[pair]) >= RIVALS_WITHIN]
         return (able or ranked)[0]
 
     def option(self, found: ExpectedEvidence, pair: tuple[int, int]) -> Option:
-        """Return an experiment with what it is expected to tell between two hypotheses."""
+        """Add to an experiment the evidence expected between two hypotheses."""
         nats, one = found.nats[pair], found.experiment
         mean = float(np.nan_to_num(_mean(nats)))
         noise = 2.0 * mean  # the variance of half a difference of chi-square
@@ -314,12 +314,12 @@ class _Question:
 
 
 def _mean(nats: Array) -> float:
-    """Return the mean of what is known; nan where nothing is."""
+    """Return the mean of the known values; nan where none is known."""
     return float(np.nanmean(nats)) if np.isfinite(nats).any() else np.nan
 
 
 def _open(hypotheses: Sequence[Hypothesis], *, at_least: int) -> tuple[Hypothesis, ...]:
-    """Return the hypotheses that are open: none but the likeliest where all others together have no more than DOUBT."""
+    """List the open hypotheses: only the likeliest where all others together have no more than DOUBT."""
     if odds(hypotheses)[0] >= 1.0 - DOUBT:
         return tuple(hypotheses[:at_least])
     found = [one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN]
@@ -327,7 +327,7 @@ def _open(hypotheses: Sequence[Hypothesis], *, at_least: int) -> tuple[Hypothesi
 
 
 def _figures(amplitude: float) -> float:
-    """Return an amplitude to three figures: no hand and no stepper meets more."""
+    """Round an amplitude to three figures: no hand and no stepper is more exact."""
     return float(f"{amplitude:.3g}")
 
 
@@ -342,7 +342,7 @@ def _within(amplitude: float, limits: Limits) -> float:
 
 
 def _variations(best: Experiment, found: Fit, limits: Limits) -> list[Experiment]:
-    """Return what an operator can do otherwise at the best amplitude."""
+    """List the other things that an operator can do at the best amplitude."""
     every = {
         "push": replace(best, push=True),
         "longer": replace(best, longer=2.0),

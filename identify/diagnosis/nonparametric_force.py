@@ -1,4 +1,4 @@
-"""The free form: what any force in displacement, velocity and time could explain, with no name for it.
+"""The free form: how much a smooth force of displacement, velocity and time explains, without a name.
 
 The acceleration's misfit is regressed on smooth splines of displacement and velocity, of friction over displacement and
 speed, and of slow changes of stiffness, damping and friction with time. Compared with what the named effects
@@ -104,13 +104,13 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
 
 
 def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
-    """Return the free form of what a fit leaves, along the release of the largest amplitude."""
+    """Fit the free form to the residual of a fit, along the release of the largest amplitude."""
     largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
     return nonparametric_force(largest, force_along_motion(largest, found))
 
 
 def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
-    """Return the held-out readings that lie where the fitted ones have been, so that nothing is extrapolated."""
+    """Select the held-out readings inside the range of the fitted ones, so that nothing is extrapolated."""
     motion = prepared.motion
     mask = held.copy()
     for values in (motion.displacement, motion.velocity, prepared.time):
@@ -131,7 +131,7 @@ def _held_out(blocks: list[Array], misfit: Array, folds: list[Mask], inside: lis
 
 
 def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
-    """Return a constant and penalised splines through the misfit that is used, (n,) (Eilers and Marx 1996).
+    """Fit a constant and penalised splines to the used part of the misfit, (n,) (Eilers and Marx 1996).
 
     Second differences of the coefficients of each block are kept small.
     """
@@ -149,7 +149,7 @@ def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) ->
 
 
 def coordinates(time: Array, u: Array, v: Array) -> dict[str, tuple[Array, Array]]:
-    """Return along a motion the position on each coordinate, and what a curve over it is multiplied by, (n,) each."""
+    """Return the position on each coordinate along a motion, and the factor of a curve over it, (n,) each."""
     sign, one = np.sign(v), np.ones_like(v)
     return {
         "displacement": (u, one),
@@ -167,7 +167,7 @@ def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array]]:
 
 
 def _unit(coordinate: str, unit: str) -> str:
-    """Return the unit of a coordinate where the displacement has some unit."""
+    """Return the unit of a coordinate, given that of the displacement."""
     if coordinate.startswith("time"):
         return "s"
     return unit if "displacement" in coordinate else f"{unit}/s"
@@ -191,7 +191,7 @@ def _splines(position: Array, count: int) -> Array:
 def _shapes(
     prepared: PreparedDecay, blocks: dict[str, Array], misfit: Array, used: Mask
 ) -> tuple[Shape, ...]:
-    """Return each coordinate's own regression of the misfit, the one that explains most first."""
+    """Regress the misfit on each coordinate alone, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()
     for name, (position, _) in _coordinates(prepared).items():
@@ -227,7 +227,7 @@ _LEAST = 1e-3
 
 
 def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
-    """Return the measured curve of what a fitted model leaves, as an effect called `name`, and the line that keeps it.
+    """Make an effect called `name` of the force that a fitted model lacks, and the line that saves it.
 
     The coordinate is the one that explains most of cycles that were held out; the curve begins at a regression of the
     missing force on the release of the largest amplitude. Raises NotIdentifiable where no smooth curve explains any.
@@ -235,7 +235,7 @@ def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
     shape = free_form(baseline, baseline.fit)
     if not shape.shapes or not shape.coordinates:
         raise NotIdentifiable(
-            "what the model leaves follows no curve in displacement, velocity or time, so there is none to add"
+            "the residual follows no curve in displacement, velocity or time, so there is none to add"
         )
     prepared = max(baseline.decays, key=lambda decay: decay.amplitude)
     factor, over = _FORMS[shape.coordinates[0]]
@@ -248,7 +248,7 @@ def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
 
 
 def _over_the_motion(prepared: PreparedDecay, factor: str, over: str) -> CurveForm:
-    """Return the curve from end to end of what the motion reaches, rounded as it is kept."""
+    """Return the curve over the whole range of the motion, rounded as it is saved."""
     form = CurveForm(factor, over, 0.0, 1.0, 1)
     motion = prepared.motion
     position = form.position(prepared.time, motion.displacement, motion.velocity)
@@ -257,7 +257,7 @@ def _over_the_motion(prepared: PreparedDecay, factor: str, over: str) -> CurveFo
 
 
 def _regressed(prepared: PreparedDecay, force: Array, form: CurveForm) -> Array:
-    """Return the six coefficients that explain most of a force along the motion, spring and friction made room for."""
+    """Fit the six coefficients of a curve to a force along the motion, together with spring and friction."""
     motion = prepared.motion
     columns = form.along(prepared.time, motion.displacement, motion.velocity)
     usual = np.column_stack(

@@ -1,4 +1,4 @@
-"""Not enough data: too few cycles to tell effects apart, or a motion that noise, as far as it is known, could be itself."""
+"""Not enough data: too few cycles to distinguish effects, or a motion that may be noise."""
 
 import numpy as np
 
@@ -10,26 +10,25 @@ from identify.priors import DROWNED, FEWEST_CYCLES
 
 
 def too_few_cycles(baseline: Baseline) -> bool:
-    """Whether fewer cycles of free motion, of all releases, stand above friction and noise than tell effects apart."""
+    """Check whether too few cycles of free motion, over all releases, stand above friction and noise."""
     seconds = sum(len(window) / window.rate for window in baseline.fit.windows)
     return seconds * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
 
 
 def is_drowned(baseline: Baseline, found: Fit) -> bool:
-    """Whether a fit that leaves most of the motion is excused by a floor that is a guess: so is any other model then."""
+    """Check whether a fit leaves most of the motion and only a guessed floor accepts it: it would accept any model."""
     return not baseline.floor_is_sure and baseline.adequate(found) and motion_percent(found) > DROWNED
 
 
 def why_not_enough(baseline: Baseline, found: Fit) -> str:
-    """Return why nothing can be told, and what to record."""
+    """Explain why the data are not enough, and what to record."""
     if too_few_cycles(baseline):
         return (
-            "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
+            "Fewer than five cycles of free motion stand above friction and noise: too few to distinguish effects. "
             "Release from a larger amplitude, or record for longer."
         )
     return (
-        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise, which this record leaves "
-        "to a guess, may be as large: it would excuse any model. Look at the record first: is this the column "
-        "and the part that swings freely? If it is, release from a larger amplitude, or record what the sensor "
-        "reads at rest before the release."
+        f"The model leaves {three_figures(motion_percent(found))} % of the motion. The noise of this record is only a guess "
+        "and may be as large, so any model would pass. Look at the record first: is this the right column, and is the "
+        "mass swinging freely? If so, release from a larger amplitude, or record the sensor at rest before the release."
     )

@@ -1,4 +1,4 @@
-"""Other modes: oscillations in what a fit leaves that decay, and are no harmonics of the motion.
+"""Other modes: decaying oscillations in the residual of a fit that are not harmonics of the motion.
 
 A structure has more modes than the one that is followed. A second one stands in the spectrum of the residual as a line
 between the harmonics, and, unlike hum or shaking from outside, dies away.
@@ -45,18 +45,18 @@ class OtherMode:
 
 
 def modes_sentence(modes: tuple[OtherMode, ...]) -> str:
-    """Return what other modes are seen, and what to do about them; "" where there are none."""
+    """Describe the other modes, and say what to do about them; "" where there are none."""
     if not modes:
         return ""
     seen = " and ".join(mode.words for mode in modes)
     return (
-        f"Several modes: beside the motion's the record shows {seen}; one mode is followed here. Excite the others less, or "
-        "filter them out, before what is left is taken for a force."
+        f"Several modes: besides the mode of the motion the record shows {seen}. Only one mode is fitted here. Excite the "
+        "others less, or filter them out, before you take the residual for a force."
     )
 
 
 def other_modes(found: Fit) -> tuple[OtherMode, ...]:
-    """Return the modes that what a fit leaves of its first release shows, the strongest first, two at most."""
+    """Find the other modes in the residual of a fit's first release, the strongest first, two at most."""
     modes: list[OtherMode] = []
     window = found.windows[0]
     for channel in window.channels:
@@ -88,7 +88,7 @@ def _strongest(found: Fit, window: FitWindow, channel: str) -> OtherMode | None:
 
 
 def _refined(amplitudes: Array, at: int) -> float:
-    """Return the place of a peak between bins, by the parabola through its logarithm."""
+    """Locate a peak between bins, by the parabola through its logarithm."""
     left, middle, right = np.log(np.maximum(amplitudes[at - 1 : at + 2], 1e-300))
     curvature = left - 2.0 * middle + right
     return float(at + (0.5 * (left - right) / curvature if curvature < 0.0 else 0.0))
@@ -100,7 +100,7 @@ def _amplitudes(values: Array) -> Array:
 
 
 def _between_harmonics(reading: Array, window: FitWindow, channel: str, bins: Array) -> Mask:
-    """Return which bins lie between the harmonics of all frequencies that the motion has in this part of the record."""
+    """Select the bins between the harmonics of all frequencies that the motion has in this part of the record."""
     order = ("displacement", "velocity", "acceleration").index(channel)
     quarter = len(reading) // 2
     parts = (reading[:quarter], reading[quarter:], reading)

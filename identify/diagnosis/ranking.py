@@ -1,4 +1,4 @@
-"""The ranking: how good a reason each candidate is, what may be claimed, and what is not told apart.
+"""The ranking: the evidence of each candidate, what may be claimed, and what is not distinguishable.
 
 Evidence at rest: a hum is there before the release, a force that shakes the mass is not seen while it is held.
 """
@@ -21,7 +21,7 @@ from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
 
 def rivals_of(entry: Candidate, ranked: tuple[Candidate, ...]) -> tuple[str, ...]:
-    """Return the names of the claimed candidates that explain the record as well as one of them does."""
+    """List the claimed candidates that explain the record as well as one of them."""
     if not entry.claimed:
         return ()
     return tuple(
@@ -32,9 +32,9 @@ def rivals_of(entry: Candidate, ranked: tuple[Candidate, ...]) -> tuple[str, ...
 
 
 def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest.
+    """Sort the candidates by their evidence: plausible claims first, then implausible ones, then the rest.
 
-    Claims are made where it is improbable that nothing is missing; of those that are better than nothing by as much.
+    A candidate is claimed where it is improbable that nothing is missing, if it is better than nothing by as much.
     """
     widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
@@ -51,7 +51,7 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
 
 
 def line_of_sensor_first(ranked: tuple[Candidate, ...], *, by_gain: bool = False) -> tuple[Candidate, ...]:
-    """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
+    """Put a sensor's line before a force where this record does not distinguish the two.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
     leads where it has as good evidence; `by_gain`, where no rest tells the two apart, also where it leaves as little: how
@@ -74,7 +74,7 @@ def _order(entry: Candidate) -> tuple[int, float]:
 
 
 def dispersion(baseline: Baseline, tried: Sequence[Fit]) -> float:
-    """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
+    """Return the factor by which an unexplained misfit widens the noise: 1 where the best refit reaches a sure floor."""
     best = min(tried, key=lambda found: found.chi_square, default=baseline.fit)
     if baseline.adequate(best) and baseline.floor_is_sure:
         return 1.0
@@ -86,7 +86,7 @@ def dispersion(baseline: Baseline, tried: Sequence[Fit]) -> float:
 
 
 def _correlation_length(values: Array) -> float:
-    """Return how many readings count as one, from the autocorrelation up to its first zero."""
+    """Count the readings that are worth one independent reading, from the autocorrelation up to its first zero."""
     n = len(values)
     power = np.abs(np.fft.rfft(values - values.mean(), 2 * n)) ** 2
     correlation = np.fft.irfft(power)[:n]
@@ -105,7 +105,7 @@ _SAME = 4.0
 
 
 def at_rest(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
-    """Return how much better a sensor's fault of a fit explains the rest before the release than a constant, in nats.
+    """Return the evidence (nats) of the rest before the release for a sensor's fault, against a constant.
 
     Negative where the fault ought to show at rest and does not, and for a force whose line a sensor shows while the mass is
     held; 0 for everything that says nothing of the rest.
@@ -131,7 +131,7 @@ def at_rest(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
 
 
 def _line_of_held_mass(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
-    """Return the evidence, below 0, against a line of a force at a frequency that stands in a sensor's rest."""
+    """Return the evidence, below 0, against a force at the frequency of a line that a sensor shows at rest."""
     name = next(p.name for p in term.effect.parameters if p.unit == "Hz")
     frequency = found.of(term)[name].value
     against = 0.0

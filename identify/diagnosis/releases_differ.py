@@ -1,7 +1,7 @@
-"""Whether releases differ in their linear spring and damper: as good a reason for a misfit as a suspect.
+"""Whether releases differ in their linear spring and damper, which explains a misfit as well as a suspect may.
 
 On a rig they do. One spring and one damper for all leave a misfit then that no effect explains. A spring and a damper of
-each release's own are therefore fitted beside the model, and beside the best suspect; what they gain is held against
+each release's own are therefore fitted beside the model, and beside the best suspect; the gain is compared with
 chance. A suspect may make releases of unlike amplitudes seem to differ: where nothing is left of it beside the best one,
 they share spring and damper after all.
 """
@@ -28,7 +28,7 @@ SURE = -math.log(CLEARLY)
 
 
 def where_releases_differ(baseline: Baseline) -> Baseline:
-    """Return the baseline with a spring and damper of each release's own, where that gains clearly; else the same."""
+    """Give each release a spring and damper of its own where that clearly lowers the misfit; else keep the baseline."""
     if not _may_differ(baseline.fit):
         return baseline
     own = of_each(baseline.fit)
@@ -36,7 +36,7 @@ def where_releases_differ(baseline: Baseline) -> Baseline:
 
 
 def on_second_thought(first: Baseline, baseline: Baseline, ranked: tuple[Candidate, ...]) -> Baseline:
-    """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
+    """Decide again whether releases differ, now that suspects have been tried; return the baseline to search from.
 
     `first` is the baseline with one spring and damper for all releases.
     Where the best suspect has made the releases differ, they share spring and damper; where it leaves that they do, or is
@@ -63,7 +63,7 @@ def _may_differ(found: Fit) -> bool:
 
 
 def _with(baseline: Baseline, own: Fit) -> Baseline:
-    """Return the baseline of a fit with a spring and damper of each release's own, its floor decided anew."""
+    """Make a baseline of a fit with a spring and damper of each release's own, its noise floor decided again."""
     places = zip(baseline.decays, own.windows, strict=True)
     decays = tuple(
         replace(decay, floor_std=None, window=decay.window.with_(own_linear=window.own_linear))
@@ -73,9 +73,9 @@ def _with(baseline: Baseline, own: Fit) -> Baseline:
 
 
 def shared_where_alike(found: Fit) -> Fit:
-    """Return a fit with one spring and damper for all releases, where those of their own gain no more than by chance.
+    """Fit one spring and damper for all releases, where separate ones gain no more than chance would.
 
-    What made the releases differ may have been what was found since.
+    An effect that was found since may have made the releases differ.
     """
     if not any(window.own_linear and not window.varies for window in found.windows):
         return found
@@ -84,7 +84,7 @@ def shared_where_alike(found: Fit) -> Fit:
 
 
 def carried(whole: tuple[PreparedDecay, ...], baseline: Baseline) -> tuple[PreparedDecay, ...]:
-    """Return whole releases with what was decided on their pieces: the width of the floor, and whether they differ."""
+    """Carry over to whole releases what was decided on pieces: the width of the floor, and whether releases differ."""
     own = {window.release: window.own_linear for window in baseline.fit.windows}
     return tuple(
         replace(prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i)))
@@ -93,19 +93,19 @@ def carried(whole: tuple[PreparedDecay, ...], baseline: Baseline) -> tuple[Prepa
 
 
 def how_they_differ(settled: Baseline) -> str:
-    """Return by how much the releases differ, in a sentence; "" where they share spring and damper."""
+    """Say by how much the releases differ; "" where they share spring and damper."""
     apart = any(unknown.deviates >= 0 for unknown in settled.fit.unknowns)
     return spread_sentence(settled.stated(settled.fit)) if apart else ""
 
 
 def of_each(found: Fit) -> Fit:
-    """Return a fit with a spring and damper of each release's own, near those of all."""
+    """Fit a spring and damper of each release's own, near those of all."""
     windows = with_own_linear(found.windows, found.frequency)
     return fit(found.model, windows, found.point, found.frequency, near=True)
 
 
 def surprise(shared: Fit, own: Fit) -> float:
-    """Return -ln of the probability that chance lowers chi-square as much as what each release has of its own does.
+    """Return -ln of the probability that chance lowers chi-square as much as the releases' own parameters do.
 
     Chi-square counts in units of what that leaves, as its priors do. Where all releases are alike the drop is that of one
     number less than there are releases, for each of spring and damper.
@@ -130,7 +130,7 @@ _SEEN = 2.0
 
 @dataclass(frozen=True)
 class ReleaseValue:
-    """A parameter as it is in release `index`, from 0, and by how much it differs from that of all, in % of the latter.
+    """A parameter of release `index`, from 0, and by how much it differs from the shared value, in % of the latter.
 
     The error is that of the value alone, not of how much it differs from release to release.
     """
@@ -142,7 +142,7 @@ class ReleaseValue:
 
 
 def release_values(found: Fit) -> tuple[ReleaseValue, ...]:
-    """Return spring and damper of each release; none where all releases share them."""
+    """List spring and damper of each release; none where all releases share them."""
     releases = [places[0] for places in windows_by_release(found.windows).values()]
     values = []
     for i, unknown in enumerate(found.unknowns):
@@ -169,7 +169,7 @@ def release_values(found: Fit) -> tuple[ReleaseValue, ...]:
 
 
 def spread_sentence(found: Fit) -> str:
-    """Return by how much spring and damper differ between releases, with units; "" where they share them.
+    """Say by how much spring and damper differ between releases, with units; "" where they share them.
 
     The numbers are standard deviations between releases.
     """

@@ -45,11 +45,11 @@ class Begun:
 
 @dataclass(frozen=True, eq=False)
 class _Columns:
-    """Forces of unit strength along a motion, less what a model follows, of unit length; the last one is no force.
+    """Forces of unit strength along a motion, without the part that a model follows, scaled to unit length.
 
-    `begun` tells which effect each column but the last is, with which inner parameters; `along` (columns,) is how much of
-    what the model leaves lies along it, `overlap` (columns, columns) their products; `left` is the sum of squares that the
-    model leaves.
+    The last column is no force. `begun` has the effect of each other column, with its inner parameters. `along`
+    (columns,) is the part of the model's misfit along each column, `overlap` (columns, columns) their products; `left`
+    is the sum of squares that the model leaves.
     """
 
     begun: tuple[Begun, ...]
@@ -70,9 +70,9 @@ class _Columns:
 def promising_sets(
     prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
 ) -> tuple[list[tuple[Begun, ...]], list[tuple[Begun, ...]]]:
-    """Return the pairs and the triples of forces that leave least of the restoring force, each with what leaves least first.
+    """Find the pairs and the triples of forces that leave the least of the restoring force, the best first.
 
-    Each effect is tried at all starting values of its inner parameters; strengths are free and of either sign. Only those
+    Each effect is tried at all starting values of its inner parameters; strengths are free, of either sign. Only those
     triples are returned that leave at most some times as much as the best, and none where even that leaves little less than
     the best pair: there a third effect has nothing to explain.
     """
@@ -97,14 +97,14 @@ def promising_sets(
 
 
 def _of_different(left: Array, effect: NDArray[np.int64], i: int) -> Array:
-    """Return what columns leave beside column i, infinite where two of the three are of one effect."""
+    """Mask sums of squares beside column i: infinite where two of the three columns are of one effect."""
     alike = effect[:, None] == effect
     own = effect == effect[i]
     return np.where(alike | own[:, None] | own, np.inf, left)
 
 
 def _least(columns: _Columns, effect: NDArray[np.int64], left: Array, most: float) -> list[tuple[Begun, ...]]:
-    """Return the few sets of effects that leave least and at most so much, each with the columns that do.
+    """Select the few sets of effects that leave the least, and at most so much, each with its columns.
 
     `left` (columns, effects, effects) is what each column leaves with the best columns of two effects.
     """
@@ -142,7 +142,7 @@ def _free_columns(
 def _columns(
     prepared: PreparedDecay, terms: tuple[Term, ...], scales: Scales
 ) -> tuple[list[Begun], list[Array]]:
-    """Return the finite forces of unit strength along the motion, (n,) each, and which effects they are."""
+    """Compute the finite forces of unit strength along the motion, (n,) each, with their effects."""
     motion = prepared.motion
     begun, columns = [], []
     for term in (term for term in terms if term.is_force):
@@ -156,7 +156,7 @@ def _columns(
 
 
 def _explained_by_two(alone: Array, overlap: Array) -> Array:
-    """Return the sum of squares that each two columns of unit length explain together, (columns, columns)."""
+    """Return the sum of squares that each pair of unit columns explains, (columns, columns)."""
     apart = 1.0 - overlap**2
     both = alone[:, None] ** 2 + alone[None, :] ** 2 - 2.0 * overlap * np.outer(alone, alone)
     return np.where(apart > _INDEPENDENT, both / np.maximum(apart, _INDEPENDENT), 0.0)

@@ -1,7 +1,7 @@
 """Several effects at once, where none reaches the floor alone: a law between the names, two effects, or three.
 
-What does not reach the floor on a few releases does not reach it on all, and every trial costs as much less. So of many
-releases two are searched, on a few cycles, and all judge what was found there.
+What does not reach the floor on a few releases does not reach it on all, and each trial costs less there. So of many
+releases two are searched, on a few cycles, and the result is judged on all.
 """
 
 from collections.abc import Iterator, Sequence
@@ -49,7 +49,7 @@ class FewReleases:
 
     @classmethod
     def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
-        """Return the first cycles of the releases of the largest and the smallest amplitude; all where there are no more."""
+        """Take the first cycles of the releases of the largest and the smallest amplitude; all where there are only two."""
         order = sorted(range(len(whole.decays)), key=lambda i: -whole.decays[i].amplitude)
         places = tuple(sorted({order[0], order[-1]}))
         if len(places) == len(whole.decays):
@@ -72,7 +72,7 @@ class FewReleases:
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: -c.evidence)), places)
 
     def on_all(self, found: Fit) -> Fit:
-        """Return a model that was found on the few, fitted to all releases."""
+        """Fit a model that was found on the few releases to all of them."""
         if self.baseline is self.whole:
             return found
         base = self.whole.fit
@@ -103,7 +103,7 @@ class Several:
 def several_effects(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Several | None:
-    """Return the effects that together explain some releases, None where none do; `tried` are single ones, best first."""
+    """Find the effects that together explain some releases; None where none do. `tried` are single ones, best first."""
     few = FewReleases.of(baseline, tried)
     for several in _reaching(few.baseline, few.tried, library):
         whole = few.on_all(several.fit)
@@ -115,7 +115,7 @@ def several_effects(
 def _reaching(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield what reaches the floor with values that make sense: a law of a free exponent, two effects, or three.
+    """Yield the sets that reach the floor with plausible values: a law of a free exponent, two effects, or three.
 
     Forces that explain most together, by equation error, come before what goes with the best single candidates, faults of
     sensors among it.
@@ -150,7 +150,7 @@ def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator
 
 
 def _makes_sense(baseline: Baseline, found: Fit, term: Term) -> bool:
-    """Whether no other effect is the better name for one of several, and the rest before the releases allows it."""
+    """Check that each of several effects has plausible values, and that the rest before the releases allows it."""
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     return is_plausible(found, term, scales) and at_rest(baseline.decays, found, term) > DENIED
 
@@ -167,7 +167,7 @@ def _fitted(baseline: Baseline, together: tuple[Begun, ...]) -> Several:
 
 
 def _begun_anew(baseline: Baseline, several: Several) -> Several:
-    """Return the best fit of some effects of which one after the other begins from all its starting values."""
+    """Fit some effects again, each in turn from all its starting values, and keep the best fit."""
     found = several.fit
     for term in sorted(several.terms, key=lambda term: -len(term.effect.inner)):
         less = fit(found.model.minus(term.effect.name), found.windows, found.point, found.frequency)
@@ -181,7 +181,7 @@ def _begun_anew(baseline: Baseline, several: Several) -> Several:
 def _beside_the_best(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield the best single candidates with what goes best with each; two forces are left to the screening but once."""
+    """Yield the best single candidates, each with its best partner; only one such pair may be of two forces."""
     looked_at = sorted(tried[:_LOOKED_AT], key=lambda c: (not c.plausible, -c.evidence))
     for rank, first in enumerate(looked_at[:_BEAM]):
         terms = candidate_terms(first.fit.model, library, first.fit.windows[0])

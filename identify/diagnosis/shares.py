@@ -60,11 +60,11 @@ class AmplitudeShares:
 
 
 def shares(decays: tuple[PreparedDecay, ...], found: Fit) -> tuple[AmplitudeShares, ...]:
-    """Return the shares at the largest and at the smallest amplitude of some whole releases, in this order.
+    """Compute the shares at the largest and at the smallest amplitude of some whole releases, in this order.
 
     `found` has the standard errors that are to be stated. A parameter at a bound, or not determined, is held for the
     errors of the other effects; the effect's own are then infinite. A line, which does not follow the motion, takes no
-    part in loss and frequency: nan. So is what the record leaves uncertain by more than the whole. Empty where a driven
+    part in loss and frequency: nan. So is a share with an error above 100 %. Empty where a driven
     motion has no amplitude of its own, where nothing but a spring acts, and where no share is determined.
     """
     if any(decay.window.force is not None for decay in decays):
@@ -78,7 +78,7 @@ def shares(decays: tuple[PreparedDecay, ...], found: Fit) -> tuple[AmplitudeShar
 
 
 def shares_summary(found: tuple[AmplitudeShares, ...]) -> Summary | None:
-    """Return the shares as a table to be printed; None where there are none."""
+    """Summarize the shares as a table; None where there are none."""
     if not found:
         return None
     rows = [

@@ -20,7 +20,7 @@ _READINGS_A_CYCLE = 24
 
 @dataclass(frozen=True, eq=False)
 class SoFar:
-    """A hypothesis fitted to the releases so far, read a few times a cycle; `cost` is the chi-square that it leaves."""
+    """A hypothesis fitted to a few readings a cycle of the releases so far; `cost` is its chi-square."""
 
     fit: Fit
     windows: tuple[FitWindow, ...]
@@ -30,7 +30,7 @@ class SoFar:
 
     @classmethod
     def of(cls, one: Hypothesis) -> "SoFar":
-        """Return a hypothesis fitted to fewer readings, settled anew for them."""
+        """Refit a hypothesis to fewer readings."""
         found = one.fit
         w = found.frequency
         windows = tuple(
@@ -42,7 +42,7 @@ class SoFar:
         return cls(found, windows, end.theta, end.cost, one.reach)
 
     def costs_more(self, own: Problem, centre: Array, readings: dict[str, Array]) -> float:
-        """Return by how much chi-square rises where a record comes that begins, as far as it is its own, at `centre`.
+        """Return the rise of chi-square with one more record, whose own unknowns begin at `centre`.
 
         `own` is the problem of that record alone, whose window gets the `readings`.
         """
@@ -54,7 +54,7 @@ class SoFar:
         return minimise(problem, start, steps=_STEPS, tolerance=_GAIN).cost - self.cost
 
     def _names(self) -> dict[str, float]:
-        """Return the values by the names that they have beside one window and one release more."""
+        """Rename the values as if there were one more window and release."""
         count, releases = len(self.windows) + 1, 2 + max(one.release for one in self.windows)
         values = {}
         for u, value in zip(self.fit.unknowns, self.theta.tolist(), strict=True):
@@ -68,11 +68,11 @@ class SoFar:
 
 
 def _names_of_last(own: Problem, centre: Array, place: int) -> dict[str, float]:
-    """Return what one window has of its own, by the names that it has at a place after all others."""
+    """Rename the unknowns of one window as if it came after all others."""
     each = zip(own.unknowns, centre.tolist(), strict=True)
     return {str(u.id.of_release(place, place + 1)): value for u, value in each if u.window == 0}
 
 
 def _bound(problem: Problem, reach: Mapping[str, float]) -> None:
-    """Bound the unknowns of a problem that another effect is the better name for beyond."""
+    """Bound the unknowns of a problem to the ranges within which each effect keeps its name."""
     problem.high = np.minimum(problem.high, [reach.get(u.name, np.inf) for u in problem.unknowns])

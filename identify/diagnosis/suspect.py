@@ -15,13 +15,13 @@ from identify.model.model import Term
 class Suspect:
     """One effect that the model may lack.
 
-    `fit` is the model refitted with it, judged against the `baseline`. What the model leaves with it, as it stands in the
-    end, is `error_after`, reduced chi-square, and `motion_after`, % of the motion, None of a fault that every fit corrects.
+    `fit` is the model refitted with it, judged against the `baseline`. The residual of the final model with it is
+    `error_after`, reduced chi-square, and `motion_after`, % of the motion, None for a fault that every fit corrects.
     Its parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
     are those of a fault that every fit corrects, None of all else.
     `evidence` is in nats: how much more probable the readings are with it. `claimed` says that the effect is claimed.
     `rivals` are claimed effects whose evidence is as good: this record does not distinguish them.
-    `plausible` is False where another effect is the better name for the same force. `confirmed` says what the effect
+    `plausible` is False where its values make it the same force as another effect. `confirmed` says what the effect
     predicts of readings that it was not fitted to, None where that was not asked or it predicts nothing.
     """
 
@@ -41,7 +41,7 @@ class Suspect:
 
     @cached_property
     def stated(self) -> Fit:
-        """The fit with the standard errors to state; found when they are asked for, for that takes its time."""
+        """The fit with the standard errors to state; computed when first asked for, because that is slow."""
         return self.baseline.stated(self.fit)
 
     @cached_property
@@ -54,7 +54,7 @@ class Suspect:
 
     @property
     def strength_known(self) -> bool:
-        """Whether its parameters mean anything: at a strength below its error those beside the strength are anyhow."""
+        """Whether its parameters mean anything: where the strength is below its error, the others are arbitrary."""
         strength = self.parameters.get(self.effect.strength.name)
         if strength is None or len(self.effect.parameters) == 1:
             return True
@@ -67,5 +67,5 @@ class Suspect:
 
     @property
     def confusable_with(self) -> tuple[str, ...]:
-        """Effects that this record does not tell from it, and effects that it is known to be mistaken for."""
+        """Effects that this record does not distinguish from it, and effects that it is known to be mistaken for."""
         return (*self.rivals, *(name for name in self.effect.confusable_with if name not in self.rivals))

@@ -29,7 +29,7 @@ _BEHIND = 2.0
 class Candidate:
     """One effect in its best variant, added to a model and refitted, with its evidence (nats) against the model.
 
-    `plausible` is False where another effect is the better name for the same force; `claimed` says that it may be named.
+    `plausible` is False where its values make it the same force as another effect; `claimed` says that it may be named.
     """
 
     term: Term
@@ -45,7 +45,7 @@ class Candidate:
 
 
 def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
-    """Return the strongest lines of each channel's residual, over all windows: (Hz, amplitude, phase at the release)."""
+    """Find the strongest lines of each channel's residual, over all windows: (Hz, amplitude, phase at the release)."""
     lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
     for i, window in enumerate(found.windows):
         for channel in window.channels:
@@ -56,7 +56,7 @@ def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ..
 
 
 def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
-    """Return every effect and variant that the model lacks and that the channels of a window can show.
+    """List every effect and variant that the model lacks and that the channels of a window can show.
 
     Faults that every fit allows for are judged by what it allowed for. Over the segments of a long release each has
     offsets of its own, which leave slow faults of a sensor nothing to explain.
@@ -82,7 +82,7 @@ def singles(
     library: tuple[Effect, ...] = LIBRARY,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
-    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done."""
+    """Refit the model with each effect that it lacks, best first; `counted` gets the number of fits that are done."""
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
     return try_terms(baseline.decays, baseline.fit, terms, by_gain=True, counted=counted)
 
@@ -100,8 +100,8 @@ def try_terms(
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. Then all are
     fitted freely: the most promising few to the end, the others until they creep with twice the best of these still below.
-    Where only a `goal` of chi-square counts, a fit that creeps towards it is left. Near the floor fits begin at the places
-    of the largest linear gains, too, if `by_gain`. `counted` is told how many fits are done, and of how many at most.
+    Where only a `goal` of chi-square counts, a slow fit is stopped. Near the floor fits begin at the places
+    of the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
     near = Slope.of(base) if base.reduced < LINEAR_UP_TO else None
@@ -136,7 +136,7 @@ def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candid
 
 
 def is_plausible(found: Fit, term: Term, scales: Scales) -> bool:
-    """Whether a fit gives a term values with which no other effect is the better name for what it explains."""
+    """Check that a fit's values of a term do not make it the same force as another effect."""
     values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
     return term.effect.plausible(values, at_fault)

@@ -1,4 +1,4 @@
-"""The verdict: what may be said of a model, in a word, a headline and with what goes with it."""
+"""The verdict on a model: a word, a headline, and the judgement with all that belongs to it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -32,13 +32,13 @@ HEADLINES: dict[Verdict, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """The verdict on a model, and what goes with it.
+    """The verdict on a model, with its candidates and fits.
 
     `ranked` are the candidates, what the verdict names first; `together` the other effects where it takes several; `final`
-    the fit with what was found; `shape` the free form, when something is missing that has no name. `confirmation` is what
+    the fit with what was found; `shape` the free-form force, when the missing force has no name. `confirmation` is what
     curves predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a name
-    is not told from it, or where it is what is left beside a name; None elsewhere.
+    too small to be named; 0 where that is not so. `walk` is a random walk of spring and damper that is not distinguishable
+    from the name, or remains beside it; else None.
     """
 
     verdict: Verdict
@@ -52,5 +52,5 @@ class Judgement:
 
 
 def verdict_of(candidate: Candidate) -> Verdict:
-    """Return what is said where one candidate is named."""
+    """Choose the verdict for one named candidate: a force or a sensor's fault."""
     return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"

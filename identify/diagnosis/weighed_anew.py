@@ -1,4 +1,4 @@
-"""Hypotheses weighed anew with one more release, by a refit of each: a first answer, long before a diagnosis."""
+"""A first answer after one more release, long before a diagnosis: each hypothesis refitted and weighed again."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ _LEADING = 4
 def weighed_anew(
     hypotheses: Sequence[Hypothesis], decays: Sequence[PreparedDecay], new: PreparedDecay
 ) -> tuple[Hypothesis, ...]:
-    """Return the leading hypotheses refitted to the releases so far and a new one, the likeliest first.
+    """Refit the leading hypotheses to the releases so far and a new one, the likeliest first.
 
     Nothing new is looked for; a law without a name and a random walk are left out.
     """
@@ -33,7 +33,7 @@ def weighed_anew(
 
 
 def _shared(found: Fit, releases: int) -> dict[str, float]:
-    """Return where what is shared begins, and faults of sensors, alike in each of so many releases."""
+    """Return the starting values of shared unknowns, and of sensors' faults, equal in each of so many releases."""
     values = {u.name: v for u, v in zip(found.unknowns, found.theta.tolist(), strict=True) if u.window < 0}
     for u, value in zip(found.unknowns, found.theta.tolist(), strict=True):
         if u.window == 0 and u.id.role == "parameter":

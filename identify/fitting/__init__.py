@@ -1,1 +1,1 @@
-"""Fitting a model to releases, and the noise floor that it is measured against."""
+"""Fitting a model to releases, and the noise floor to which its residual is compared."""

@@ -1,4 +1,4 @@
-"""The baseline: a model fitted to releases, and the noise floor that it is measured against."""
+"""The baseline: a model fitted to releases, and the noise floor to which its residual is compared."""
 
 from dataclasses import dataclass, field, replace
 
@@ -29,7 +29,7 @@ _BAND = "band above the motion"
 
 @dataclass(frozen=True)
 class Floor:
-    """Noise of each channel of one window, and what it leaves open of the reduced chi-square.
+    """Noise of each channel of one window, and the uncertainty that it gives the reduced chi-square.
 
     `chi_square_std` is the standard error of a reduced chi-square of an adequate model: from the number of readings
     and from the uncertainty of the noise itself.
@@ -50,7 +50,7 @@ class Floor:
 def refine_floor(
     fit: Fit, before: tuple[dict[str, Noise], ...], colours: dict[str, ChannelColour] | None = None
 ) -> tuple[Floor, ...]:
-    """Return the floor of each window from the noise known before and the high band of the fit's residual.
+    """Estimate the floor of each window from the noise known before and the high band of the fit's residual.
 
     Two estimates that agree are averaged by their errors. Where the band above the motion lies higher, what the
     model lacks leaks into it, and the estimate from before stands; where it lies lower, it is the floor. Of a channel
@@ -115,7 +115,7 @@ _STALE_OFF = 3.5
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    """A model fitted to releases, and the floor it is measured against."""
+    """A model fitted to releases, and the noise floor to which its residual is compared."""
 
     decays: tuple[PreparedDecay, ...]
     fit: Fit
@@ -123,7 +123,7 @@ class Baseline:
 
     @property
     def spread(self) -> float:
-        """Standard error of the reduced chi-square of an adequate model, as it was decided for these records."""
+        """Standard error of the reduced chi-square of an adequate model, decided once for these records."""
         decided = [prepared.floor_std for prepared in self.decays]
         each = [
             floor.chi_square_std if std is None else std
@@ -133,13 +133,13 @@ class Baseline:
 
     @property
     def decided(self) -> "Baseline":
-        """The same with the width of its floor kept in the releases: one record has one, whatever is fitted later."""
+        """The same with the width of its floor stored in the releases: a record has one width, whatever is fitted later."""
         width = self.spread
         return replace(self, decays=tuple(with_floor(prepared, width) for prepared in self.decays))
 
     @property
     def floor_is_sure(self) -> bool:
-        """Whether a misfit above the floor cannot be noise: it was seen at rest, and two channels bear each other out."""
+        """Whether a misfit above the floor cannot be noise: the noise was seen at rest, and two channels agree on it."""
         return all(
             prepared.window.paired and all("rest" in noise.source for noise in prepared.noise.values())
             for prepared in self.decays
@@ -151,29 +151,29 @@ class Baseline:
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
     def stated(self, found: Fit) -> Fit:
-        """Return a fit with the standard errors to state: its own where it is adequate, else those of the misfit."""
+        """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit."""
         return found if self.adequate(found) else with_misfit_errors(found)
 
     def reduced(self, found: Fit) -> float:
-        """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
+        """Reduced chi-square that includes the faults which are corrected but not named in the model."""
         faults = unnamed_faults(self.decays, found)
         readings = found.degrees + sum(fault.readings for fault in faults)
         return (found.chi_square + sum(fault.drop for fault in faults)) / max(readings, 1)
 
     @property
     def at_floor(self) -> bool:
-        """Whether the fitted model reaches the floor, faults that it does not name counted in."""
+        """Whether the fitted model reaches the floor, including the faults that it does not name."""
         return self._reaches(self.reduced(self.fit)) and not self._denied(self.fit)
 
     def adequate(self, found: Fit) -> bool:
-        """Whether a fit reaches the floor, corrected faults left out.
+        """Check whether a fit reaches the floor, leaving out corrected faults.
 
         A floor that is a guess gives the benefit of doubt, unless the residual stands at the motion's harmonics.
         """
         return self._reaches(found.reduced) and not self._denied(found)
 
     def harmonics(self, found: Fit) -> HarmonicResidual | None:
-        """Return how a residual near a guessed floor stands at the motion's harmonics; None where the floor decides."""
+        """Measure a residual near a guessed floor at the motion's harmonics; None where the floor itself decides."""
         if self.floor_is_sure or not self._reaches(found.reduced):
             return None
         return harmonic_residual(found)
@@ -194,7 +194,7 @@ class Baseline:
 def fit_baseline(
     decays: tuple[PreparedDecay, ...], model: Model, known: dict[str, float] | None = None
 ) -> Baseline:
-    """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name.
+    """Fit a model and decide the floor with its residual; `known` are values to begin from, by unknown's name.
 
     The width of the floor is decided by the first model that is fitted to a release, and carried in its `floor_std`.
     """
@@ -210,7 +210,7 @@ def fit_baseline(
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
-    """Return a release with the standard error of the reduced chi-square at its floor, unless that was decided before."""
+    """Decide the standard error of the reduced chi-square at a release's floor, unless that was decided before."""
     return prepared if prepared.floor_std is not None else replace(prepared, floor_std=width)
 
 
@@ -231,7 +231,7 @@ def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay
 
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
-    """Return a fit measured against the floor that its own residual shows."""
+    """Fit again with the noise floor that the fit's own residual shows."""
     known = tuple(prepared.noise for prepared in decays)
     floors = refine_floor(found, known, noise_colours(decays, found))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))

@@ -1,8 +1,8 @@
-"""The Jacobian in blocks: of each window only the unknowns that move it.
+"""The Jacobian in blocks: for each window only the unknowns that change it.
 
 Windows share the physics, and each has a start, lag, gain and offsets of its own, which move no other window. What one
 release has of its own moves its windows, and a last block besides: where it is expected. All other entries are zero; they
-are not kept, not multiplied, and not changed by what a step teaches.
+are not stored, not multiplied, and not changed by an update after a step.
 """
 
 from collections.abc import Iterator, Sequence
@@ -119,9 +119,9 @@ class BlockJacobian:
         return total
 
     def mended(self, step: Array, size: Array, surprise: Array) -> Self:
-        """Return the one nearest to this that agrees with a step after which the misfit was off by `surprise`.
+        """Update the Jacobian (Broyden) to agree with a step whose misfit differed by `surprise` from the prediction.
 
-        `size` (unknowns,) is what each unknown is measured in. Entries that are zero by nature stay so (Broyden, 1965,
+        `size` (unknowns,) is the unit of each unknown. Entries that are zero by nature stay zero (Broyden, 1965,
         eq. 4.5, in each window with its own unknowns: Schubert, Math. Comp. 24, 1970). A window that a step has hardly
         moved teaches nothing but rounding.
         """
@@ -135,7 +135,7 @@ class BlockJacobian:
         return type(self)(self.pattern, tuple(blocks))
 
     def free(self, columns: Array) -> Array:
-        """Return what the unknowns cannot follow, to first order, of columns (readings, m) or of one (readings,)."""
+        """Remove from columns (readings, m), or one (readings,), the part that the unknowns can follow to first order."""
         parts = [
             part - own @ (own.T @ part)
             for (own, _), part in zip(self.bases, (columns[rows] for rows in self.rows), strict=True)

@@ -1,4 +1,4 @@
-"""Faults that every fit allows for and that are judged afterwards: the gain between the channels, lost readings."""
+"""Faults that every fit corrects and that are judged afterwards: the gain between the channels, lost readings."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ _WORTH_A_REMARK = 0.002
 
 @dataclass(frozen=True, eq=False)
 class CorrectedFault:
-    """A sensor's fault that is corrected in every fit: what it would add to chi-square if it were not allowed for.
+    """A sensor's fault that every fit corrects, with the chi-square that it would add if it were not corrected.
 
     `drop` is that chi-square, in units of the noise, of so many `readings` (0 where it is one number's); `parameters`
     what was found; `term` names it in a model. `remarked` tells that the fault is there, though no more than its
@@ -51,23 +51,23 @@ class CorrectedFault:
 
     @property
     def p_value(self) -> float:
-        """The probability of such a drop by chance and by what the calibration leaves open."""
+        """The probability of such a drop by chance and within the calibration's uncertainty."""
         return float(np.exp(-0.5 * max(self.surplus - _BY_CHANCE, 0.0)))
 
 
 def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
-    """Return the faults that a fit has allowed for, each with what it would cost to do without; largest first."""
+    """List the faults that a fit has corrected, each with the chi-square without the correction; largest first."""
     faults = [f for f in (_gain(decays, fit), *_lost(decays, fit)) if f is not None]
     return tuple(sorted(faults, key=lambda fault: -fault.drop))
 
 
 def unnamed_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
-    """Return the faults that a fit has allowed for and that its model does not name; largest first."""
+    """List the faults that a fit has corrected and that its model does not name; largest first."""
     return tuple(f for f in corrected_faults(decays, fit) if f.term.effect.name not in fit.model)
 
 
 def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
-    """Weigh the mean gain of all releases: one pair of sensors has one calibration, whose error all of them share."""
+    """Judge the mean gain of all releases: one pair of sensors has one calibration, whose error all releases share."""
     errors, variances, allowed = [], [], []
     for i, prepared in enumerate(decays):
         gain = fit.nuisance("gain", i)
@@ -98,10 +98,10 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
 
 
 def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
-    """Return by how much two sensors differ as measured, and how that stands to what their calibrations leave open."""
+    """Say by how much two sensors differ, and whether their calibrations allow that."""
     size = abs(mean)
     place = "within" if size <= open_ else "far beyond" if size > _CLEAR_DROP**0.5 * open_ else "beyond"
-    whose = "that their calibrations leave open" if stated else "left open, as no calibration is stated"
+    whose = "that their calibrations allow" if stated else "allowed where no calibration is stated"
     digits = max(0, min(4, 1 - int(np.floor(np.log10(max(100.0 * own, 1e-4))))))
     return (
         f"the two sensors differ by {100.0 * size:.{digits}f} ± {100.0 * own:.{digits}f} %, {place} the "

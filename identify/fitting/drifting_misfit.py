@@ -1,4 +1,4 @@
-"""The misfit as a process that drifts beside the motion: how strong it is, over how many cycles it keeps, what it does.
+"""The misfit as a slow random process: its strength, its correlation over cycles, and its effect on parameters.
 
 A fit hides of its misfit what its parameters can follow, which is just what moves them. What is left shows the rest of
 the same process, so its strength and correlation are measured by restricted likelihood (Patterson and Thompson 1971),
@@ -54,7 +54,7 @@ class CycleSums:
 
 
 def cycle_sums(found: Fit, scales: Array) -> tuple[CycleSums, ...]:
-    """Return the sums of all channels of all windows of a fit, for steps of its unknowns by `scales` (unknowns,).
+    """Sum all channels of all windows of a fit cycle by cycle, for steps of its unknowns by `scales` (unknowns,).
 
     Unknowns whose scale is 0 are left out; places are among the others.
     """
@@ -142,7 +142,7 @@ class _Trial:
 
 
 def scatter_of_scores(sums: Sequence[CycleSums], p: int, windows: int) -> Array | None:
-    """Return the covariance of J'e that the residual shows, by window, in units of the noise, (windows, p, p).
+    """Estimate the covariance of J'e from the residual, by window, in units of the noise, (windows, p, p).
 
     Of p unknowns, and of what lies at the motion's frequency; e is the misfit before the fit. None where there are too
     few cycles.

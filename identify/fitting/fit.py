@@ -1,4 +1,4 @@
-"""Free-run least squares: the parameters under which the simulated motion follows the readings best."""
+"""Output-error least squares: the parameters for which the simulated motion follows the readings best."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ class Fit:
 
     @property
     def reduced(self) -> float:
-        """Reduced chi-square: 1 means that nothing is left to explain."""
+        """Reduced chi-square: 1 means that the residual is noise."""
         return self.chi_square / max(self.degrees, 1)
 
     @property
@@ -67,7 +67,7 @@ class Fit:
 
     @property
     def point(self) -> dict[str, float]:
-        """The unknowns by name, for another fit to begin from."""
+        """The unknowns by name, as starting values of another fit."""
         return dict(zip(self.names, self.theta.tolist(), strict=True))
 
     @property
@@ -77,7 +77,7 @@ class Fit:
 
     @property
     def nuisances(self) -> dict[str, Estimate]:
-        """What the releases need besides, by name: states at the start, lag, gain, offsets."""
+        """The releases' own unknowns by name: states at the start, lag, gain, offsets."""
         return {u.name: self.values[u.name] for u in self.unknowns if u.id.role != "parameter"}
 
     def of(self, term: Term, release: int | None = None) -> dict[str, Estimate]:
@@ -92,9 +92,9 @@ class Fit:
         return self.values.get(str(nuisance(name, release, len(self.windows))))
 
     def of_release(self, release: int) -> dict[str, float]:
-        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone.
+        """Return the values of one window and its physics, by their names in a fit of this window alone.
 
-        The physics is with what the window's release has of its own.
+        The physics includes the deviations of the window's release.
         """
         found = self.of_windows((release,))
         for u in self.unknowns:
@@ -105,7 +105,7 @@ class Fit:
         return found
 
     def of_windows(self, places: Sequence[int]) -> dict[str, float]:
-        """Return the values of the physics and of some windows, by the names that they have in a fit of those alone."""
+        """Return the values of the physics and of some windows, by their names in a fit of these windows alone."""
         releases = list(dict.fromkeys(self.windows[i].release for i in places))
         found = {}
         for u, value in zip(self.unknowns, self.theta.tolist(), strict=True):
@@ -184,9 +184,9 @@ def _fit(
     near: bool,
     goal: float,
 ) -> Fit:
-    """Return the fit with the priors of single releases, if there are any, counted as the windows say.
+    """Solve the fit with the windows' priors on single releases, if there are any.
 
-    `lower` finds a minimum; unknowns that are `still` do not move.
+    `lower` finds a minimum; unknowns that are `still` are held.
     """
     again = partial(Problem, problem.model, problem.windows, problem.frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)
@@ -206,7 +206,7 @@ def _fit(
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
-    """Whether starting values by name are so far off that a fit which is not `near` grows its window."""
+    """Check whether starting values are so far off that a fit which is not `near` must begin with few cycles."""
     problem = Problem(model, windows, frequency)
     return _off(problem.residuals(np.clip(problem.theta(start), problem.low, problem.high)))
 
@@ -220,13 +220,13 @@ def _cost(misfit: Array) -> float:
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
-    """Return the fit as it stands at some values, without a further step; `slope` is misfit and Jacobian, if known."""
+    """Make the fit at some values, without a further step; `slope` is misfit and Jacobian, if known."""
     residual, jacobian = slope or linearise(problem, theta)
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
 def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
-    """Return the unknowns fitted to the first few cycles, then to more."""
+    """Fit the unknowns to the first few cycles, then to more and more."""
     windows, w = whole.windows, whole.frequency
     longest = max(len(s) for s in windows)
     for cycles in _GROWTH:

@@ -1,6 +1,6 @@
-"""Adequacy without a floor: power of a fit's residual at the motion's harmonics against that between and above them.
+"""Adequacy without a noise floor: power of the residual at the motion's harmonics against that between and above them.
 
-What a model of a motion lacks repeats with the motion, and stands at its harmonics; noise does not know them. The ratio of
+A force that a model lacks repeats with the motion, so its residual lies at the harmonics; noise does not. The ratio of
 the two powers needs no level of the noise. For an adequate model it is that of two means of squares (Fisher's F): white
 noise has as much power in every bin, less what the fit's own unknowns can follow there.
 """
@@ -34,7 +34,7 @@ _FEWEST = 6
 
 @dataclass(frozen=True)
 class HarmonicResidual:
-    """How much more power a residual has at the harmonics than between them.
+    """The ratio of a residual's power at the harmonics to that between them.
 
     `ratio` is that of an adequate model's expectation, 1 where nothing is left; `p_value` the probability that noise alone
     gives as much; `channels` holds the p-value of each channel by itself. A record too short to tell gives p = 1.
@@ -46,23 +46,24 @@ class HarmonicResidual:
 
     @property
     def against(self) -> bool:
-        """Whether it speaks against the model: noise alone hardly ever leaves as much at the harmonics."""
+        """Whether the ratio rejects the model: noise alone is very unlikely to give as much."""
         return self.p_value < SPEAKS_AGAINST
 
     @property
     def sentence(self) -> str:
-        """What it says, for a record whose noise floor is a guess; "" where the record is too short to tell."""
+        """Its meaning, for a record whose noise floor is a guess; "" where the record is too short."""
         if not self.channels:
             return ""
         odds = "p < 1e-6" if self.p_value < 1e-6 else f"p = {self.p_value:.1g}"
-        times = f"{three_figures(self.ratio)} times what noise of the level between them gives, {odds}"
-        if self.against:
-            return f"The noise floor is a guess here, but at the motion's harmonics the residual is {times}: not noise."
-        return f"The noise floor is a guess here; at the motion's harmonics the residual is {times}, as noise leaves it."
+        decides = "more than noise explains" if self.against else "no more than noise explains"
+        return (
+            "The noise floor is a guess here. At the motion's harmonics the residual has "
+            f"{three_figures(self.ratio)} times the power expected from between them ({odds}): {decides}."
+        )
 
 
 def harmonic_residual(fit: Fit) -> HarmonicResidual:
-    """Return the power of a fit's residual at once, twice and three times the motion's frequency, against that off them.
+    """Compare a residual's power at one, two and three times the motion's frequency with that between these.
 
     Of all releases together, in units of the noise, whitened where it is coloured.
     """
@@ -85,7 +86,7 @@ def harmonic_residual(fit: Fit) -> HarmonicResidual:
 
 
 def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -> Array | None:
-    """Return power at the harmonics, that expected there from what lies off them, and how sure they are, (5,).
+    """Return the power at the harmonics, the power expected there from the other bins, and their uncertainty, (5,).
 
     The last three are both expectations under white noise, and by how much the first may be off by an uncertain colour.
     The `columns` (used, 1 + k) are the residual and an orthonormal basis of what the fit can follow; powers are in units
@@ -114,7 +115,7 @@ def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -
 
 
 def _places(bins: Array, width: float, rate: float, frequency: float) -> tuple[Mask, Mask]:
-    """Return which bins (Hz) lie at the first harmonics and which off all of them, up to some harmonics above."""
+    """Select the bins (Hz) at the first harmonics, and those off all harmonics, up to some harmonics above."""
     nearest = np.maximum(np.rint(bins / frequency), 1.0)
     away = np.abs(bins - nearest * frequency)
     inside = (bins > 0.5 * frequency) & (bins < min(_HIGHEST * frequency, 0.45 * rate))

@@ -1,4 +1,4 @@
-"""Where a fit may begin: strengths by equation error, inner parameters by the effects' own rules, states by the motion."""
+"""Starting values of a fit: strengths by equation error, inner parameters by the effects' rules, states by the motion."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 def initial_values(
     decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]
 ) -> dict[str, float]:
-    """Return where a fit may begin, by unknown's name: strengths by equation error, the states from the motions.
+    """Estimate starting values by unknown's name: strengths by equation error, states from the motions.
 
     `inner` gives inner parameters by "effect.parameter". The strengths share all releases, whose zeros are their own.
     """
@@ -28,7 +28,7 @@ def initial_values(
 def initial_nuisances(
     decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]
 ) -> dict[str, float]:
-    """Return where what the releases need besides the physics may begin, by unknown's name: states, lag, gain, offsets."""
+    """Estimate starting values of the releases' own unknowns, by name: states, lag, gain, offsets."""
     values: dict[str, float] = {}
     if any(prepared.window.estimates_mass for prepared in decays):
         values[str(nuisance("force_gain"))] = 1.0
@@ -41,7 +41,7 @@ def initial_nuisances(
 def rest_states(
     term: Term, displacement: float, velocity: float, inner: dict[str, float]
 ) -> dict[ParameterId, float]:
-    """Return the internal states of an effect with memory soon after the release, as if it were the only release."""
+    """Estimate the internal states of an effect with memory soon after the release, as if it were the only release."""
     effect = term.force
     if effect.equilibrium_state is None:
         return {}
@@ -64,7 +64,7 @@ def inner_values(term: Term, inner: dict[str, float]) -> dict[str, float]:
 def _of_release(
     prepared: PreparedDecay, terms: tuple[Term, ...], inner: dict[str, float]
 ) -> dict[ParameterId, float]:
-    """Return where the state, lag, gain and offsets of one release may begin, as if it were the only one."""
+    """Estimate the state, lag, gain and offsets of one release, as if it were the only one."""
     motion, window = prepared.motion, prepared.window
     u, v = float(motion.displacement[0]), float(motion.velocity[0])
     gain = prepared.alignment.gain.value if prepared.alignment is not None else 1.0
@@ -83,7 +83,7 @@ def _of_release(
 
 
 def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]) -> Array:
-    """Return the strengths of a model's forces by equation error over all releases, (forces,), within their bounds.
+    """Estimate the strengths of a model's forces by equation error over all releases, (forces,), within their bounds.
 
     One that would leave its bounds is held there and the others are found anew: a dry friction that came out negative
     and was only cut off would leave the viscous damping twice too large.
@@ -148,7 +148,7 @@ def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]
 
 
 def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
-    """Return the sizes from which effects take their starting values."""
+    """Collect the sizes from which effects take their starting values."""
     window = prepared.window
     return Scales(
         amplitude=prepared.amplitude,
@@ -161,7 +161,7 @@ def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float
 
 
 def term_starts(term: Term, scales: Scales, *, fine: bool = False) -> tuple[dict[str, float], ...]:
-    """Return the starting values of a term's inner parameters by their own names, of a fault those of all parameters.
+    """List the starting values of a term's inner parameters by their own names; for a fault, of all its parameters.
 
     `fine` ones leave no gaps between them.
     """
@@ -172,7 +172,7 @@ def term_starts(term: Term, scales: Scales, *, fine: bool = False) -> tuple[dict
 
 
 def reachable_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
-    """Return the same, close together over all that a fit may reach."""
+    """List the same, close together over the whole range of a fit."""
     return _named(term, term.effect.reachable_starting_values(scales, term.channel))
 
 

@@ -70,20 +70,20 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
 
 
 def _as_shared(problem: Problem, skip: Mask | None) -> dict[int, int]:
-    """Return the unknowns that move their windows as a shared one does, which is differentiated, and the place of that."""
+    """Find the unknowns that change their windows as a shared one does, so only that is differentiated; with its place."""
     places = {one.own: one.shared for one in problem.expected}
     return {j: at for j, at in places.items() if skip is None or not (skip[j] or skip[at])}
 
 
 def take_steps(problem: Problem, other: Problem) -> None:
-    """Begin with the steps of differentiation that another problem has found for unknowns of the same name."""
+    """Take over the steps of differentiation that another problem has found for unknowns of the same name."""
     for at, unknown in enumerate(problem.unknowns):
         if unknown.name in other.index:
             problem.steps[at] = other.steps[other.index[unknown.name]]
 
 
 def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
-    """Adapt the step of unknown j to the rms change that it made; return whether it was so wrong that it is taken again."""
+    """Adapt the step of unknown j to the rms change that it made; return whether the difference must be repeated."""
     wanted = _READABLE / moved if moved > 0.0 else inf
     before = float(problem.steps[j])
     step = before * min(max(wanted, 1.0 / _STEP_GROWTH), _STEP_GROWTH)
@@ -105,9 +105,9 @@ class _Start:
 
 
 def _for_slope(problem: Problem, theta: Array, i: int, misfit: Array) -> tuple[int, Array]:
-    """Return in how many steps a sample window i is integrated for a slope, and its misfit (n,) in as many.
+    """Choose the steps a sample in which window i is integrated for a slope, and return its misfit (n,) with them.
 
-    Where a motion runs away in longer steps, they are as short as the motion needs.
+    Where a motion diverges in longer steps, they are as short as the motion needs.
     """
     whole, fewer = problem.substeps(theta, i), problem.substeps(theta, i, tangent=True)
     if fewer < whole:

@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt within bounds, that differentiates anew only where a step gained less than was predicted."""
+"""Levenberg-Marquardt within bounds, which differentiates again only where a step gained less than predicted."""
 
 from dataclasses import dataclass
 
@@ -124,7 +124,7 @@ def _step(
     damping: float,
     tolerance: float,
 ) -> _Step | None:
-    """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
+    """Find the step that lowers chi-square; None when no step is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
     least = _least(tolerance, cost, problem, len(residual))
     gradient, normal = jacobian.gradient(residual), jacobian.normal()
@@ -152,7 +152,7 @@ def _step(
 
 
 def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:
-    """Return the gain of chi-square that matters: `tolerance` in units of the noise, and of what is left well above it.
+    """Return the smallest gain of chi-square that matters: `tolerance` in units of the noise, or of a larger residual.
 
     That repeats in every reading of a half-cycle.
     """
@@ -161,6 +161,6 @@ def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> fl
 
 
 def _sum_of_squares(residual: Array) -> float:
-    """Return the sum of squares; inf where the motion ran away."""
+    """Return the sum of squares; inf where the motion diverged."""
     size = float(np.max(np.abs(residual), initial=0.0))
     return float(residual @ residual) if size < 1e100 else np.inf

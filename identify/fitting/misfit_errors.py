@@ -1,4 +1,4 @@
-"""Standard errors from the misfit that is there, not from the noise alone.
+"""Standard errors from the actual misfit, not from the noise alone.
 
 Where a model leaves more than noise, its parameters err by what the misfit does where their columns lie: at the
 frequency of the motion. There it is a process whose strength and correlation the residual shows; what lies elsewhere
@@ -33,7 +33,7 @@ _UNDETERMINED = 1e-2
 def spread_of_releases(
     windows: tuple[FitWindow, ...], cycles: tuple[CycleSums, ...], scatter: Array, std: Array
 ) -> Array:
-    """Return by how much the standard error of each unknown is raised, 1 at least, (p,).
+    """Return the factor, 1 at least, by which the spread of releases raises the standard error of each unknown, (p,).
 
     `cycles` are the sums of all `windows`; `scatter` (windows, p, p) is that of the scores, `std` (p,) the errors from the
     misfit. The value of a single release is that of one Gauss-Newton step from the fit of all.
@@ -51,7 +51,7 @@ def spread_of_releases(
 
 
 def _alone(cycles: tuple[CycleSums, ...], scatter: Array, own: Mask) -> tuple[Array, Array]:
-    """Return by how much each unknown moves where only the windows marked `own` count, and its error there, (p,)."""
+    """Return the change of each unknown when only the windows marked `own` count, and its error there, (p,)."""
     p = scatter.shape[1]
     normal, gradient = np.zeros((p, p)), np.zeros(p)
     for one in cycles:
@@ -72,7 +72,7 @@ _REACH = 0.5
 
 
 def with_misfit_errors(found: Fit) -> Fit:
-    """Return a fit whose covariance is that of least squares under the misfit that is there; never below the noise's.
+    """Give a fit the covariance of least squares under its actual misfit, never below that of the noise.
 
     The sandwich of normal matrix and scatter of the scores (Huber 1967).
     """
@@ -97,7 +97,7 @@ def with_misfit_errors(found: Fit) -> Fit:
 
 
 def _with_covariance(found: Fit, covariance: Array) -> Fit:
-    """Return a fit with another covariance of its unknowns, by which the squares of its standard errors grow."""
+    """Replace the covariance of a fit's unknowns; the squares of its standard errors grow by the difference."""
     more = np.diag(covariance) - np.diag(found.covariance)
     stds = [
         float(np.sqrt(max(found.values[u.name].std ** 2 + extra, 0.0)))
@@ -110,13 +110,13 @@ def _with_covariance(found: Fit, covariance: Array) -> Fit:
 
 
 def _density_elsewhere(cycles: tuple[CycleSums, ...]) -> float:
-    """Return the mean square of what lies elsewhere than at the motion's frequency, in units of the noise; 1 at least."""
+    """Return the mean square of the residual off the motion's frequency, in units of the noise; 1 at least."""
     square = sum(one.square - float((one.residual**2).sum()) for one in cycles)
     return max(square / max(sum(one.readings - one.residual.size for one in cycles), 1), 1.0)
 
 
 def misfit_density(found: Fit, around: float | None = None, channel: str = "") -> float:
-    """Return the spectral density of the residual around the motion's frequency, in units of the noise's.
+    """Estimate the spectral density of the residual around the motion's frequency, in units of that of the noise.
 
     Or `around` another angular frequency (rad/s), within half the motion's; of one `channel`, or of all.
     """
@@ -134,6 +134,6 @@ def misfit_density(found: Fit, around: float | None = None, channel: str = "") -
 
 
 def is_clear(whole: Fit, term: Term) -> bool:
-    """Whether the strength of an effect differs from none by some errors of the misfit that is there."""
+    """Check whether the strength of an effect differs from zero by some errors of the actual misfit."""
     strength = with_misfit_errors(whole).values[str(term.strength)]
     return bool(np.isfinite(strength.std) and abs(strength.value) > CLEAR * strength.std)

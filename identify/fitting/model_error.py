@@ -1,4 +1,4 @@
-"""The three errors of a model: of the force, of the free-run motion, and against the noise floor."""
+"""The three errors of a model: of the force, of the simulated motion, and relative to the noise floor."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class ModelError:
 
 
 def force_misfit(prepared: PreparedDecay, fit: Fit, i: int = 0) -> tuple[Array, Array]:
-    """Return the measured restoring force per unit mass along the motion, and what a model leaves of it, (n,)."""
+    """Return the measured restoring force per unit mass along the motion, and a model's residual of it, (n,)."""
     window, motion = fit.windows[i], prepared.motion
     values = fit.of_release(i) | fit.problem.states_at_start(fit.theta, i)
     u = motion.displacement + prepared.zero - values.get("displacement_offset", prepared.zero)
@@ -57,12 +57,12 @@ def motion_percent(fit: Fit) -> float:
 
 
 def removed_percent(before: Fit, after: Fit) -> float:
-    """Return the misfit that the second fit takes away from the first's, in % of the rms motion; 0 where it adds some."""
+    """Return the part of the first fit's misfit that the second removes, in % of the rms motion; 0 where it adds some."""
     return float(np.sqrt(max(motion_percent(before) ** 2 - motion_percent(after) ** 2, 0.0)))
 
 
 def line_percent(fit: Fit, term: Term) -> float:
-    """Return the rms of a line that a sensor has in % of the rms of its channel's motion, the largest of all releases."""
+    """Return the rms of a sensor's line in % of the rms of its channel's motion, the largest of all releases."""
     name, shares = term.effect.strength.name, [0.0]
     for i, window in enumerate(fit.windows):
         if term.channel in window.channels:

@@ -53,7 +53,7 @@ _DYING, _HALVES = 0.6, 2.0
 
 
 def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Return the lines of window i's residual that are hum in both channels, by channel.
+    """Find the lines of window i's residual that are hum in both channels, by channel.
 
     A line that dies away with the motion is another mode or a harmonic, not hum.
     """
@@ -74,7 +74,7 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
 
 
 def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
-    """Whether a line (Hz) of one channel's residuals stands off the motion's harmonics and lasts to the end of each window.
+    """Check whether a line (Hz) of one channel's residuals lies off the motion's harmonics and lasts to each window's end.
 
     One that dies away with the motion is another mode.
     """
@@ -83,7 +83,7 @@ def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
 
 
 def _shared(low: dict[float, float], high: dict[float, float], width: float) -> list[float]:
-    """Return the frequencies of lines that two channels have, each as the channel in which it is clearer gives it."""
+    """List the frequencies of lines that two channels have, each from the channel in which it is clearer."""
     found = []
     for f, clarity in low.items():
         near = [(other, own) for other, own in high.items() if abs(other - f) <= width]
@@ -94,7 +94,7 @@ def _shared(low: dict[float, float], high: dict[float, float], width: float) -> 
 
 
 def _is_no_motion(fit: Fit, i: int, f: float, seen: dict[str, complex]) -> bool:
-    """Whether a line, amplitude and phase in two channels, is none that a motion would make in both."""
+    """Check that a line, by amplitude and phase in two channels, cannot be a motion."""
     window = fit.windows[i]
     low, high = window.channels[0], "acceleration"
     lag = fit.nuisance("lag", i)
@@ -107,7 +107,7 @@ def _is_no_motion(fit: Fit, i: int, f: float, seen: dict[str, complex]) -> bool:
 
 
 def _dies(fit: Fit, i: int, channel: str, f: float) -> bool:
-    """Whether a line is clearly smaller in the second half of the record than in the first."""
+    """Check whether a line is clearly smaller in the second half of the record than in the first."""
     window = fit.windows[i]
     middle = window.lead + (len(window) - window.lead) // 2
     first = abs(_phasor(fit, i, channel, f, slice(window.lead, middle)))
@@ -198,9 +198,9 @@ def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, Chan
 
 
 def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
+    """Find the lines along the motion that are hum in both channels, where no rest shows those of each channel.
 
-    There was none, or a converter's steps hide what is less.
+    There was no rest, or the converter's steps hide smaller lines.
     """
     if all(channel in prepared.rest_colour for channel in prepared.window.channels):
         return {}
@@ -236,7 +236,7 @@ def _colour(
 
 
 def _beside(rest: RestColour, row: int, column: int) -> tuple[Line, ...]:
-    """Return the common lines of a rest in units of the white part that a colour leaves, not of the rest's own."""
+    """Scale the common lines of a rest to the white part of a colour, in place of the rest's own."""
     own = best(rest.log_likelihood)
     before = white_part(rest.left, own[0], float(STRENGTHS[own[1]]))
     after = white_part(rest.left, row, float(STRENGTHS[column]))
@@ -244,7 +244,7 @@ def _beside(rest: RestColour, row: int, column: int) -> tuple[Line, ...]:
 
 
 def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
-    """Return what the residuals say of every colour, (shapes, strengths); 0 where they are not taken for noise."""
+    """Return the log-likelihood of every colour from the residuals, (shapes, strengths); 0 where they are not noise."""
     total = np.zeros_like(at_rest)
     for i in range(len(fit.windows)):
         bins = _bins(fit, i, channel)
@@ -271,12 +271,12 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
 
 
 def _is_allowed(at_rest: Array, row: int, column: int) -> bool:
-    """Whether the rest could be of this colour: a residual above what was seen at rest is misfit."""
+    """Check whether the rest may have this colour: a residual above the noise at rest is misfit."""
     return bool(at_rest.max() - at_rest[row, column] < _VETO)
 
 
 def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:
-    """Whether a residual has no more power near the harmonics than its colour would give it, and no line."""
+    """Check that a residual has no line, and no more power near the harmonics than its colour gives."""
     count = int(near.sum())
     if count == 0:
         return False

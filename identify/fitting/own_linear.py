@@ -1,4 +1,4 @@
-"""What a release has of its own: a linear spring and damper near those of all releases.
+"""A linear spring and damper for each release, near those of all releases.
 
 On a rig neither is quite the same from one release to the next: brakes are set, air, bearings and temperature change. So
 both may differ, within priors. A prior counts in units of what a model leaves, not of the noise: else a wrong model that
@@ -36,7 +36,7 @@ _AS_GOOD = 2.0
 
 
 def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[FitWindow, ...]:
-    """Return windows whose releases may have a spring and a damper of their own; their motion is at `frequency` (rad/s)."""
+    """Allow each release a spring and a damper of its own; the motion is at `frequency` (rad/s)."""
     losses = [
         np.mean([_loss(windows[i], frequency) for i in places])
         for places in windows_by_release(windows).values()
@@ -47,7 +47,7 @@ def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[Fit
 
 
 def shares_of(varies: frozenset[str]) -> tuple[float, float]:
-    """Return by how much spring (relative) and damper (mean losses) may differ where some things were changed on purpose."""
+    """Return how far spring (relative) and damper (mean losses) may differ where some things were changed on purpose."""
     spring = _BY_FREQUENCY if "inertia" in varies else STIFFNESS_VARIES
     return (
         _ANYTHING if "stiffness" in varies else spring,
@@ -58,7 +58,7 @@ def shares_of(varies: frozenset[str]) -> tuple[float, float]:
 def changed_on_purpose(
     decays: Sequence[PreparedDecay], varies: frozenset[str], spring: float = 0.0
 ) -> tuple[PreparedDecay, ...]:
-    """Return releases between which some of VARIES was changed on purpose: each has its own values of that.
+    """Give each release its own values of what was changed on purpose between them (some of VARIES).
 
     Where only the inertia was changed, its ratio is that of the squared frequencies, and all forces per unit of inertia
     follow it; `spring` is the stiffness (1/s^2) that these are shares of, the first release's unless given. Where the
@@ -83,7 +83,7 @@ def changed_on_purpose(
 def own_springs(
     decays: Sequence[PreparedDecay], model: Model, start: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return where the own springs of releases may begin whose springs were changed, by unknown's name."""
+    """Estimate starting values of the releases' own springs, where springs were changed, by unknown's name."""
     strength = model.linear_strength(LinearPart.STIFFNESS)
     groups = windows_by_release([prepared.window for prepared in decays])
     if strength is None:
@@ -97,12 +97,12 @@ def own_springs(
 
 
 def without_own_linear(windows: Sequence[FitWindow]) -> tuple[FitWindow, ...]:
-    """Return windows whose releases share spring and damper, unless these were changed on purpose."""
+    """Make releases share spring and damper, unless these were changed on purpose."""
     return tuple(w if w.own_linear is None or w.varies else w.with_(own_linear=None) for w in windows)
 
 
 def weighed(problem: Problem, theta: Array) -> tuple[FitWindow, ...]:
-    """Return the windows of a problem with priors that count in units of what is left at `theta`; the same if they do."""
+    """Scale the priors of a problem's windows to the residual at `theta`; return the same windows if they fit already."""
     if not problem.expected:
         return problem.windows
     weight = _scatter(problem, theta)
@@ -110,7 +110,7 @@ def weighed(problem: Problem, theta: Array) -> tuple[FitWindow, ...]:
 
 
 def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, Array, Array]:
-    """Return unknowns (p,) and covariance with the shared spring and damper as the means of those of the releases.
+    """Set the shared spring and damper to the means of those of the releases; return unknowns (p,) and covariance.
 
     The readings do not tell a shared part from the mean of the releases' own; it is that of these releases then. By how
     much it may differ for others, from the spread of these, is the third: a standard error to be added to that from the
@@ -131,7 +131,7 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
 
 
 def percent_off(problem: Problem, one: Deviation, off: float) -> float:
-    """Express what a release is `off` in % of what its prior is a share of: squared frequency, or mean loss."""
+    """Express a release's deviation `off` in % of its squared frequency or its mean loss."""
     own = problem.windows[one.windows[0]].own_linear
     assert own is not None
     is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
@@ -148,7 +148,7 @@ def _with_weight(window: FitWindow, weight: float) -> FitWindow:
 
 
 def _scatter(problem: Problem, theta: Array) -> float:
-    """Return the variance that a reading counts with, in units of the noise.
+    """Return the variance of a reading, in units of the noise, that scales the priors.
 
     1 where the model is right; what it leaves beyond the noise repeats in every reading of a half-cycle.
     """

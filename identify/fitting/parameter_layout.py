@@ -1,4 +1,4 @@
-"""The parameter layout: which unknowns a model has on some releases, in which order, and where each is used."""
+"""The parameter layout: the unknowns of a model on some releases, their order, and where each is used."""
 
 import re
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ OWN_STIFFNESS, OWN_DAMPING = "own_stiffness", "own_damping"
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number to be found: whose it is, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
+    """One unknown: its effect, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
     how it is read. What `moves` several windows, the pieces of one release, has the first of them as its window. It
@@ -150,7 +150,7 @@ class ParameterLayout:
         return tuple(linear)
 
     def _table(self) -> tuple[Array, tuple[Cell, ...]]:
-        """Return the values that are held, (rows, parameters), and where own and shared parameters go."""
+        """Return the held values, (rows, parameters), and the places of own and shared parameters."""
         place = {unknown.name: at for at, unknown in enumerate(self.unknowns)}
         held, cells = np.zeros((len(self.forces), PARAMETERS)), []
         for row, term in enumerate(self.forces):
@@ -164,7 +164,7 @@ class ParameterLayout:
         return held, tuple(cells)
 
     def _release(self, i: int, window: FitWindow) -> ReleasePlaces:
-        """Add what one window has of its own."""
+        """Add the unknowns of one window."""
 
         def own(name: str, unit: str, size: float, low: float = -np.inf, high: float = np.inf) -> int:
             simulated = name in ("displacement", "velocity")
@@ -192,7 +192,7 @@ class ParameterLayout:
         return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
 
     def _deviations(self, windows: Sequence[FitWindow]) -> tuple[Deviation, ...]:
-        """Add by how much spring and damper of each release differ from those of all, where they may."""
+        """Add the deviations of each release's spring and damper from the shared ones, where these may differ."""
         found, groups = [], windows_by_release(windows)
         for number, places in enumerate(groups.values()):
             own = windows[places[0]].own_linear
@@ -247,17 +247,17 @@ class ParameterLayout:
 
 
 def _size_of(parameter: Parameter) -> float:
-    """Return the natural size of a parameter: 1 rad for a phase, 0 for what is as large as its value itself."""
+    """Return the natural size of a parameter: 1 rad for a phase, 0 where the value itself is the size."""
     return 1.0 if parameter.unit == "rad" else 0.0
 
 
 def amplitude_of(window: FitWindow, w: float) -> float:
-    """Return the largest displacement that the readings of a window show of a motion of angular frequency w (rad/s)."""
+    """Return the largest displacement in the readings of a window, for a motion of angular frequency w (rad/s)."""
     channel = window.channels[0]
     values = window.readings[channel][window.used[channel]]
     return float(np.ptp(values)) / 2.0 / w ** CHANNELS.index(channel) if len(values) else 1.0
 
 
 def in_unit(unit: str, length: str) -> str:
-    """Return a unit in which "m" stands for the unit of the displacement, with that unit in its place."""
+    """Replace the "m" in a unit by the unit of the displacement."""
     return re.sub(r"(?<![^\W\d_])m(?![^\W\d_])", length, unit)

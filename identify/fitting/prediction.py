@@ -1,4 +1,4 @@
-"""Prediction: what physics that is held predicts of a release that it was not fitted to."""
+"""Prediction of a release by a model that was not fitted to it, its physics held."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _DRAWN_IN = (1.0, 0.98, 0.95, 0.9, 0.8)
 
 @dataclass(frozen=True)
 class Prediction:
-    """What held physics leaves of one release, its start, zero, lag, gain and offsets refitted.
+    """The residual of one release under held physics, with its start, zero, lag, gain and offsets refitted.
 
     `motion_percent` is the misfit of the free run in % of the rms of the displacement (or the first channel there is),
     `chi_square` reduced, in units of the noise; both inf where the run diverges. `values` has what was used, by
@@ -43,7 +43,7 @@ def predict(
     *,
     hold: bool = False,
 ) -> Prediction:
-    """Return what a model with its values predicts of one release; long ones in the segments that a fit sees.
+    """Predict one release by a model with its values; a long one in the segments that a fit uses.
 
     A long one may be given as its segments.
 
@@ -77,7 +77,7 @@ def predict_windows(
     start: Mapping[str, float],
     frequency: float,
 ) -> Prediction:
-    """Return what `held` values predict of the windows of one release; arguments as `predict`.
+    """Predict the windows of one release by `held` values; arguments as `predict`.
 
     `start` are values of all unknowns by name, as they are called in a fit of these windows alone; the motion has an
     angular `frequency` (rad/s). Spring and damper may differ where the windows say so.
@@ -108,7 +108,7 @@ def predict_windows(
 
 
 def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, float]:
-    """Return where faults of sensors, which every release has of its own, begin."""
+    """Return starting values of the sensors' faults, which each release has of its own."""
     start: dict[str, float] = {}
     for term in model.faults:
         for parameter in term.free:
@@ -122,7 +122,7 @@ def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, f
 def _bounded(
     problem: Problem, start: dict[str, float], held: Mapping[str, float]
 ) -> tuple[dict[str, float], frozenset[str]]:
-    """Return values to begin from, by name, and which of them are held: the physics that has values.
+    """Return starting values by name, and the names that are held: the physics that has values.
 
     The states at the start are drawn in where the motion runs away from where it was measured to begin.
     """

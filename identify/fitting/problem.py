@@ -1,4 +1,4 @@
-"""The problem that a fit solves: parameters to predicted readings, in units of the noise."""
+"""The problem that a fit solves: from parameters to the misfit of predicted readings, in units of the noise."""
 
 from dataclasses import dataclass
 
@@ -86,7 +86,7 @@ class Problem:
         return np.where(size > 0.0, size, 1.0)
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
-        """Return how many steps of the integration a sample of window i takes; a `tangent` takes what its slope needs."""
+        """Choose the number of integration steps a sample of window i, or for a `tangent` the number its slope needs."""
         return self._substeps(self._table(self.within(theta, i)), i, _TANGENT if tangent else self.longer)
 
     def _substeps(self, table: Array, i: int, longer: float) -> int:
@@ -97,7 +97,7 @@ class Problem:
         return int(min(max(fewer, np.ceil(self._steps_of_memory(table, i))), fine))
 
     def within(self, theta: Array, i: int) -> Array:
-        """Return the unknowns with the shared ones as in window i: with its release's own part, over its inertia."""
+        """Return the unknowns as window i sees them: shared ones with the deviation of its release, over its inertia."""
         if not self._own[i] and self.windows[i].lightness == 1.0:
             return theta
         theta = theta.copy()
@@ -107,7 +107,7 @@ class Problem:
         return theta
 
     def deviation(self, theta: Array, one: Deviation) -> float:
-        """Return what a release is off in its motion: no less than leaves the shared value at its bound."""
+        """Return the deviation of a release, limited so that its value stays within the bound."""
         return float(max(theta[one.own], self.low[one.shared] - theta[one.shared]))
 
     def respond(
@@ -135,7 +135,7 @@ class Problem:
         )
 
     def _external(self, theta: Array, i: int, extra: Array | None) -> Array | None:
-        """Return the force per unit mass that acts from outside on window i, (n,); None where none does."""
+        """Return the external force per unit mass on window i, (n,); None where there is none."""
         force = self.windows[i].force
         if force is not None and self.windows[i].estimates_mass:
             force = theta[self.layout.force_gain] * force
@@ -144,11 +144,11 @@ class Problem:
         return np.asarray(force + extra)
 
     def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows, anew only where an unknown of the window differs from its last two motions."""
+        """Simulate all windows; those whose unknowns equal one of their last two motions are taken from memory."""
         return [self._motion(theta, i).response for i in range(len(self.windows))]
 
     def misfits(self, theta: Array) -> list[Array]:
-        """Return the misfit of each window in units of the noise, anew only as the motions are; inf where they run away."""
+        """Return the misfit of each window in units of the noise, computed only for new motions; inf where they diverge."""
         found = []
         for i in range(len(self.windows)):
             motion = self._motion(theta, i)
@@ -158,7 +158,7 @@ class Problem:
         return found
 
     def _motion(self, theta: Array, i: int) -> _Motion:
-        """Return the motion of window i: one of the last two, or simulated and kept.
+        """Return the motion of window i: one of the last two, or a new simulation, which is stored.
 
         What was tried is then linearised and read, or left for what was before; a start that changes moves one window only.
         """
@@ -202,7 +202,7 @@ class Problem:
         return states
 
     def _steps_of_memory(self, table: Array, i: int) -> float:
-        """Return how many steps a sample of window i takes so that friction with memory gives way in no less than one."""
+        """Count the steps a sample that window i needs so that friction with memory yields over at least one step."""
         ways = [
             0.0 if term.force.gives_way is None else term.force.gives_way(row)
             for row, term in zip(table, self.layout.forces, strict=True)
@@ -245,11 +245,11 @@ class Problem:
         )
 
     def off_expected(self, theta: Array) -> list[Array]:
-        """Return by how much each release differs from all, in standard deviations, as one array; none where it may not."""
+        """Return the deviations of each release, in standard deviations, as one array; empty where it may not differ."""
         if not self.expected:
             return []
         return [np.array([theta[one.own] / one.std for one in self.expected])]
 
     def residuals(self, theta: Array) -> Array:
-        """Return the misfit of all windows in units of the noise; inf where the motion runs away."""
+        """Return the misfit of all windows in units of the noise; inf where the motion diverges."""
         return np.concatenate([*self.misfits(theta), *self.off_expected(theta)])

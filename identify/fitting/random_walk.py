@@ -1,4 +1,4 @@
-"""A linear spring and damper that walk at random: how much of a misfit their random walk explains, by its evidence.
+"""A random walk of the linear spring and damper: how much of a misfit it explains, by its evidence.
 
 On a rig neither is quite constant: it warms, creeps, rubs here and there. What they do slowly, and never twice alike, any
 law of the amplitude or of time can follow in part. So before a law is named it must be better than such a walk. Its
@@ -40,7 +40,7 @@ _JUMP = 0.5
 
 @dataclass(frozen=True)
 class RandomWalk:
-    """What a walk of the linear spring and damper explains of the misfit of a fit.
+    """The random walk of the linear spring and damper that best explains the misfit of a fit.
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
@@ -56,7 +56,7 @@ class RandomWalk:
 
 
 def walk_beside(found: Fit) -> RandomWalk:
-    """Return what a walk of spring and damper explains of what a fit leaves."""
+    """Estimate the random walk of spring and damper that explains the residual of a fit."""
     problem, (residual, jacobian) = found.problem, found.linearised
     columns = [_responses(problem, found.theta, kind) for kind in ("stiffness", "damping")]
     is_spring = np.repeat([True, False], [one.shape[1] for one in columns])
@@ -83,7 +83,7 @@ def walk_beside(found: Fit) -> RandomWalk:
 
 
 def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
-    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1, (...,).
+    """Return the gain of log-likelihood by columns with variance 1, and the chi-square they explain, (...,).
 
     `products` (..., columns, columns) are those of the columns with one another, `along` (..., columns) those with the
     misfit.
@@ -94,7 +94,7 @@ def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
 
 
 def _responses(problem: Problem, theta: Array, kind: str) -> Array:
-    """Return how the misfit changes with each step of one of the two walks, of one standard deviation, (readings, steps).
+    """Return the change of the misfit by each step of one of the two walks, of one standard deviation, (readings, steps).
 
     A walk has variance 1 after one second; it goes on from window to window of a release, and begins anew with each release.
     """
@@ -126,7 +126,7 @@ def _steps(times: list[tuple[int, float]]) -> Array:
 
 
 def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> list[Array]:
-    """Return how the misfit of window i changes with each of some weak forces per unit mass along its motion, (n,) each."""
+    """Return the change of window i's misfit by each of some weak forces per unit mass along its motion, (n,) each."""
     substeps = problem.substeps(theta, i, tangent=True)
     base = problem.residual_of(i, problem.read(theta, i, problem.respond(theta, i, substeps)))
 

@@ -34,7 +34,7 @@ _MOST_CYCLES = 240.0
 def segments_of(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
 ) -> tuple[PreparedDecay, ...]:
-    """Return one release or several, prepared where they are not yet, long ones as their segments."""
+    """Prepare one release or several where they are not yet, and cut long ones into segments."""
     return tuple(
         piece
         for release, prepared in enumerate(prepared_of(decays))
@@ -45,18 +45,18 @@ def segments_of(
 def prepared_of(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
 ) -> tuple[PreparedDecay, ...]:
-    """Return one release or several, prepared where they are not yet."""
+    """Prepare one release or several where they are not yet."""
     given = [decays] if isinstance(decays, FreeDecay | PreparedDecay) else decays
     return tuple(prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given)
 
 
 def largest_first(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
-    """Return the places of releases by falling amplitude: what is said of them does not hang on how they were given."""
+    """Return the places of releases by falling amplitude, so that no result depends on the order they were given in."""
     return tuple(sorted(range(len(decays)), key=lambda i: -decays[i].amplitude))
 
 
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
-    """Return a long release as segments that cover it without a gap; a short one as it is.
+    """Cut a long release into segments that cover it without a gap; keep a short one whole.
 
     Segments have 60 cycles, the last what remains; or, where the phase drifts, twelve cycles or more, all of one length,
     at most six of them. Of a release of more than 240 cycles as many are taken, spread evenly
@@ -73,7 +73,7 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
 
 
 def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
-    """Return which readings of the free motion are fitted, in a sentence; "" where all are, as they were recorded.
+    """Say which readings of the free motion are fitted; "" where all are fitted as they were recorded.
 
     How far into its record each release is used: `PreparedDecay.use`.
     """
@@ -91,7 +91,7 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
 
 
 def part_of(prepared: PreparedDecay, samples: slice) -> PreparedDecay:
-    """Return some samples of a release, with a start of their own: what was before is known of the first ones only."""
+    """Cut some samples out of a release, with a start of their own; only the first ones know the motion before."""
     window = prepared.window.part(samples)
     keep = np.arange(len(window)) >= window.lead
     return replace(
@@ -107,13 +107,13 @@ def part_of(prepared: PreparedDecay, samples: slice) -> PreparedDecay:
 
 
 def first_cycles(prepared: PreparedDecay, cycles: float) -> PreparedDecay:
-    """Return the first cycles of a release, or of a piece of one; as it is where it has no more."""
+    """Cut the first cycles out of a release, or of a piece of one; keep it whole where it has no more."""
     samples = int(cycles * 2.0 * np.pi / prepared.frequency * prepared.window.rate)
     return prepared if samples >= len(prepared.window) else part_of(prepared, slice(samples))
 
 
 def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
-    """Return a release with its place among several; a piece has that of the release that it was cut from."""
+    """Give a release its place among several; a piece has that of the release that it was cut from."""
     window = prepared.window
     if window.segment or window.release == release:
         return prepared
@@ -147,7 +147,7 @@ _SHARE_OF_NOISE = 0.3
 
 
 def drifts(prepared: PreparedDecay) -> bool:
-    """Return whether the phase strays from every law of the amplitude by more than a share of the readings' noise."""
+    """Check whether the phase drifts from every law of the amplitude by more than a share of the readings' noise."""
     phase, amplitude = _phase_by_cycle(prepared)
     if len(phase) <= len(_POWERS) + 3:  # as many as the law has coefficients: nothing is left to stray
         return False

@@ -33,14 +33,14 @@ STRANGE = 50.0
 
 BASIS: dict[UsualFrom, str] = {
     "the_same_releases": "the usual model was fitted to the same releases as the model",
-    "the_other_releases": "the usual model has the medians of what it finds on each of the other releases",
-    "the_release_itself": "the usual model was fitted to this very release and predicts nothing, which favours it",
+    "the_other_releases": "the usual model has the medians of its values on each of the other releases",
+    "the_release_itself": "the usual model was fitted to this same release, which favours it: that is no prediction",
 }
 
 
 @dataclass(frozen=True)
 class Validated:
-    """What a model and the usual one predict of release `index` (from 0)."""
+    """The predictions of release `index` (from 0) by a model and by the usual one."""
 
     index: int
     model: Prediction
@@ -59,7 +59,7 @@ class Validated:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validation(Summarised):
-    """What a model predicts of some releases, beside the usual model; `usual_from` says what that was fitted to.
+    """The predictions of some releases by a model and by the usual one; `usual_from` says what that was fitted to.
 
     `held` tells that the linear spring and damper were held too.
     """
@@ -118,7 +118,7 @@ class Validation(Summarised):
         return f"Predicts {word} than the usual model{where}: {_from_to(usual, own)}{median}.{bench}"
 
     def brief(self) -> Summary:
-        """Return the verdict, and both errors on each release."""
+        """Summarize the verdict, and both errors on each release."""
         rows = [
             (
                 str(one.index),
@@ -147,7 +147,7 @@ def validate(
     hold: bool = False,
     progress: Callable[[Validated], None] = lambda one: None,
 ) -> Validation:
-    """Return what a model with its values predicts of releases, beside the usual model under the same rule.
+    """Predict releases by a model with its values, and by the usual model under the same rule.
 
     `values` and `hold` are as for `predict`. `fitted_to` are the releases that the model was fitted to: the usual model
     is fitted to them too. Where they are not at hand it takes the medians of what it finds on each of the other
@@ -181,7 +181,7 @@ def validate(
 def _usual(
     alone: Sequence[Baseline], fitted_to: tuple[PreparedDecay, ...]
 ) -> tuple[list[dict[str, float]], UsualFrom]:
-    """Return the parameters of the usual model with which each release is predicted, and where they are from.
+    """Choose the usual model's parameters for the prediction of each release, and say where they are from.
 
     `alone` are its fits to each release by itself.
     """

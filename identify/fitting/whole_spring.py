@@ -1,4 +1,4 @@
-"""A force that is the whole spring, as gravity is of a pendulum: it has the spring's strength, and no constant of its own.
+"""A force that is the whole spring, as gravity on a pendulum: it has the spring's strength, no constant of its own.
 
 A free run determines it by the change of the frequency alone, a hundred times worse than the spring. Where the two agree,
 one number serves for both.
@@ -22,7 +22,7 @@ _ROUNDS = 3
 
 
 def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
-    """Return a fit with one strength for the spring and for a force that may be all of it, where `stated` errors allow.
+    """Give the spring and a force that may be all of it one strength, where the `stated` errors allow that.
 
     Its covariance is that under this condition. The same fit where no such force is, or where it differs from the spring.
     """
@@ -47,7 +47,7 @@ def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
 
 
 def _pair(stated: Fit) -> tuple[int, int] | None:
-    """Return the places of a force that may be all of the spring, unsure by itself, and of the spring; None without one."""
+    """Find the places of the spring and of a force that may be all of it, itself uncertain; None without one."""
     for term in stated.model.forces:
         part = term.effect.may_be_all_of if isinstance(term.effect, ForceEffect) else None
         spring = None if part is None else stated.model.linear_strength(part)

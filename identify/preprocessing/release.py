@@ -187,8 +187,8 @@ def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
     amplitude = running_amplitude(lead.values, max(4, round(period)))
     if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
         return (
-            f"What moves at the strongest frequency, {frequency:.3g} Hz, is over within two cycles: a push, or a motion too "
-            "strongly damped, or one that changes its frequency as it falls. Leave a push out, or release from less far."
+            f"The motion at the strongest frequency, {frequency:.3g} Hz, ends within two cycles: it is a push, it is too "
+            "strongly damped, or its frequency changes as it falls. Leave a push out, or release from a smaller amplitude."
         )
     return (
         "Nothing in the record oscillates above its noise: check the channel, or release from further away."

@@ -102,7 +102,7 @@ def observe(
     variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
     weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
     if not weight.any():
-        raise NotIdentifiable("too many samples are lost, all along the motion, for its envelope to be seen")
+        raise NotIdentifiable("too many samples are lost over the whole motion to follow its envelope")
     return Observed(
         samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance
     )

@@ -20,7 +20,7 @@ class RunsAway(NotIdentifiable):
 
     def __init__(self) -> None:
         super().__init__(
-            "the stiffness and the damping that the envelope shows would let the motion run away; "
+            "with the stiffness and the damping of the envelope the motion would diverge; "
             "release from a smaller amplitude, or try lower orders"
         )
 

@@ -125,7 +125,7 @@ def _with_orders(
     then those of damping.
     """
     least, most = damping
-    fit, refused = begun, "" if tried[-1] == STIFFNESS_ORDERS[-1] else ": with one the motion would run away"
+    fit, refused = begun, "" if tried[-1] == STIFFNESS_ORDERS[-1] else ": with one the motion would diverge"
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(most + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in tried]

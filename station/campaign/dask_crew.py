@@ -74,7 +74,7 @@ class DaskCrew:
             raise self._gone()
         error = future.exception()
         if isinstance(error, KilledWorker):
-            return Answer(work, problem="several workers were killed while they had it: too little memory?")
+            return Answer(work, problem="several workers were killed on it: too little memory?")
         if isinstance(error, ImportError):
             raise UsageProblem(
                 f"the workers at {self._address} do not have this program ({error}): install it there, the same version"

@@ -37,7 +37,7 @@ class Names:
             if (kind and (kind not in NUMBERS or not name)) or (not kind and name not in ("", *TEXTS)):
                 raise UsageProblem(
                     f"--names {pattern}: {match[0]} is no field; write {{NAME:d}} for a whole number, {{NAME:f}} for "
-                    "another, {specimen} or {operator} for a text, {} for what is not meant"
+                    "another, {specimen} or {operator} for a text, {} for a part to ignore"
                 )
             form += re.escape(pattern[end : match.start()]) + NUMBERS.get(kind, "(.+?)")
             end = match.end()

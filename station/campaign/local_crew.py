@@ -15,7 +15,7 @@ from station.campaign.worker_process import begin
 AHEAD = 2
 MOST_DEATHS = 2
 
-KILLED = f"its worker was killed {MOST_DEATHS} times while it was alone at it: too little memory?"
+KILLED = f"its worker was killed {MOST_DEATHS} times while it did nothing else: too little memory?"
 
 
 class LocalCrew:

@@ -59,7 +59,7 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
                 texts[column] = None
         if name:
             found[name] = Known(date, numbers)
-    notes = tuple(f"{file.name}: {column} holds text, no trend is looked for in that" for column in texts)
+    notes = tuple(f"{file.name}: {column} holds text: no trend is computed for it" for column in texts)
     return found, notes
 
 

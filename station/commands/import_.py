@@ -110,7 +110,7 @@ def command(
     alone = replace(options, accept=False) == ImportOptions()
     if recipe not in (None, NONE) and (ask or not alone):
         raise UsageProblem(
-            f"--recipe {recipe} says all of how the file is read: write the choice there, or leave it out"
+            f"--recipe {recipe} says how the whole file is read: write the choice there, or leave the option out"
         )
     info = session_info(settings, mass, mass_std, specimen, operator, conditions, varies)
     try:

@@ -1,1 +1,1 @@
-"""What the operator can have done: capture, identify, compare, diagnose, refine."""
+"""The operations: capture, identify, compare, diagnose, refine."""

@@ -45,7 +45,7 @@ def record(
 
 
 def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] | None:
-    """Make what gives another folder when the disk fails: `spare` once, then the operator at a terminal.
+    """Make the function that finds another folder when the disk fails: `spare` once, then the operator at a terminal.
 
     None without either: a disk that fails before the capture is then refused at once. What no answer finds a place
     for goes among the system's temporary files.

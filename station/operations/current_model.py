@@ -1,4 +1,4 @@
-"""The current model of a session, which every command, the page, the viewer and the report are about."""
+"""The current model of a session: every command, the page, the viewer and the report use it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from station.results.models import KnownModel, known_model, read_model, starting
 
 @dataclass(frozen=True, eq=False)
 class CurrentModel:
-    """A model, and which one it is in `words`; `remark` says why it is not another that one might expect.
+    """A model, with its name in `words`; `remark` says why it is not another that one might expect.
 
     `values` are those to fit from, by "effect.parameter" (None: from the data), `expressions` the operator's own effects.
     """
@@ -127,7 +127,7 @@ def _own(sessions: Sequence[Session]) -> CurrentModel:
     if not beyond:
         return CurrentModel(usual)
     remark = (
-        f"The identification also found {among(beyond)}. Such an order may stand for another effect, so it is a suspect "
-        "here. To begin with it: --model identified."
+        f"The identification also found {among(beyond)}. Another effect may be the cause, so here it is a suspect. "
+        "To begin with it: --model identified."
     )
     return CurrentModel(usual, remark=remark)

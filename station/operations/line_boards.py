@@ -27,7 +27,7 @@ def board_behind(
     profile: str | None,
     source: str | None,
 ) -> Callable[[], str | Port]:
-    """Make what gives the board anew for each release: its port, or what stands before a source, which says what comes.
+    """Make the function that opens the board for each release: its port, or a source behind an adapter.
 
     The board speaks the protocol unless it prints `lines`, has a `profile`, or is another `source`; `told` is what the
     operator said of it. Raises UsageProblem where that is a contradiction, SettingsError for a profile that is not there.

@@ -1,4 +1,4 @@
-"""The mystery: a simulated board hides something; compare, diagnose, add, and only then look at what it was."""
+"""The mystery: a simulated board hides an effect; compare, diagnose, add, and only then read what it was."""
 
 import json
 import re
@@ -42,7 +42,7 @@ BOARD = "mocks.mystery"
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """What came out: the session, the diagnosis, the ladder, and, looked at last, the truth."""
+    """The result: the session, the diagnosis, the ladder, and, read last, the truth."""
 
     seed: int
     session: Session

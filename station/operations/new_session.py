@@ -1,4 +1,4 @@
-"""A session to be: its folder, what is known of the specimen, and how it is captured."""
+"""A new session: its folder, the facts about the specimen, and the settings of the capture."""
 
 import math
 import time

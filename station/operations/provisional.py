@@ -86,7 +86,7 @@ class Provisional(CaptureObserver):
             named = diagnose(new).named
             return among([plain_name(name) for name in named]) if named else "nothing is named yet"
         found = weighed_anew(self._hypotheses, self._before, new)
-        return f"{found[0].title}, odds {100.0 * odds(found)[0]:.0f} % among what was open"
+        return f"{found[0].title}, odds {100.0 * odds(found)[0]:.0f} % among the open hypotheses"
 
 
 def _nobody(answer: str) -> None:

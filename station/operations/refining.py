@@ -1,4 +1,4 @@
-"""Refine: one effect in or out of a session's model, or all that is missing; the ladder is kept."""
+"""Refine: add or remove one effect of a session's model, or add all that is missing; the ladder is kept."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -88,7 +88,7 @@ def open_refinement(
 
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
-    """Work out what noise alone leaves of the three errors."""
+    """Compute the three errors that noise alone gives."""
     motion, window = prepared.motion, step.fit.windows[0]
     used = moving(motion)
     channel = window.channels[0]
@@ -235,7 +235,7 @@ def _extended(
 
 
 def _added(step: Step, name: str, before: Step) -> str:
-    """Say what an effect that was added is worth."""
+    """Say how much of the residual an added effect explains."""
     share = share_explained(step, name, before)
     if share is None:
         return _manual(step, f"{plain_name(name)} was added")

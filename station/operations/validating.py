@@ -1,4 +1,4 @@
-"""Validate a model: what it predicts of sessions that it was not fitted to, beside the usual model."""
+"""Validate a model: predict sessions that it was not fitted to, beside the usual model."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +32,7 @@ OWN = "the model was fitted to it"
 
 @dataclass(frozen=True, eq=False)
 class GivenModel:
-    """A model to be validated: what it is from, its file with the units of its parameters, and what it was fitted to."""
+    """A model to validate: its source, its file with the units of its parameters, and the sessions it was fitted to."""
 
     source: str
     file: ModelFile

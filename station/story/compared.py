@@ -45,7 +45,7 @@ class Compared:
         return (
             f"The record is long: it is judged in {self.pieces} pieces that share the physics. In one run over "
             f"{seen.horizon_cycles:.0f} cycles the same model leaves {residual_words(seen.motion_error, seen.chi_square)}, "
-            "because the phase may drift with clock and temperature. Places and cycles are those of that run."
+            "because the phase may drift with clock and temperature. The places and cycles below are those of that run."
         )
 
     @property

@@ -67,7 +67,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
     reason = ["predicts"] if predicted else ["explains"] * full
     rows = [("", document.model_is, error.motion_percent, error.chi2, "")]
     if named is not None and len(document.named) > 1:
-        rows.append(("named", "+ all that is named", named.motion_percent, named.chi2, ""))
+        rows.append(("named", "+ all named effects", named.motion_percent, named.chi2, ""))
     for suspect in shown_suspects(document, most):
         after = suspect.error_after
         word = predicts(document, suspect) if predicted else would_explain(error.chi2, after)
@@ -125,8 +125,8 @@ def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
         (name, *(_predicted(before, after if found.effects else None, kind) for kind in PREDICTED))
         for name, before, after in rows
     )
-    change = ", without and with what is confirmed" if found.effects else ""
-    caption = f"Error of the prediction of what was not fitted, in % of the motion{change}"
+    change = ", without and with the confirmed effects" if found.effects else ""
+    caption = f"Error of prediction on the parts that were not fitted, in % of the motion{change}"
     return (Table(caption, ("left out", *PREDICTED), cells),)
 
 
@@ -209,7 +209,7 @@ def other_modes(document: DiagnosisDocument) -> str:
     """Say which other modes the record shows; "" for none."""
     if not document.modes:
         return ""
-    return f"beside the motion's, {' and '.join(mode.words for mode in document.modes)}; one mode is followed here"
+    return f"besides the fitted one: {' and '.join(mode.words for mode in document.modes)}"
 
 
 def _of_effect(parameter: str) -> str:

@@ -135,7 +135,7 @@ def _row(name: str, values: list[Estimate | None]) -> tuple[str, ...]:
 
 
 def reasons(result: Identification) -> list[tuple[str, str]]:
-    """Say why each method chose its order, or why it found nothing, and what the lag would have done."""
+    """Say why each method chose its order or found nothing, and which error the lag would have caused."""
     found = []
     for step, label in METHODS:
         method = getattr(result, step)

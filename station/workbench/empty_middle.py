@@ -29,7 +29,9 @@ def say_empty(session: SessionState | None, key: str | None, solve_mystery: Call
         widgets.label(f"There is no session called {key}", "strong wrap")
         widgets.label("Choose one on the left.")
     else:
-        widgets.label("Where does the usual model of a vibration fail, and what is missing in it?", "welcome")
+        widgets.label(
+            "Where does the usual model of a vibration fail, and which effect does it lack?", "welcome"
+        )
         widgets.label(
             "Record a release from a board (arm it, then let the mass go), drop a file, or choose a session. Then: see "
             "where the model fails, point at what it may lack, add it, and watch the error fall to the noise.",

@@ -62,8 +62,8 @@ def test_an_ordinary_gain_error_is_remarked_on_and_no_fault():
 @pytest.mark.parametrize(
     ("gain", "stated", "said"),
     [
-        (1.01, 0.0, "differ by 1.00 ± 0.40 %, within the 3 % left open, as no calibration is stated"),
-        (0.99, 0.005, "differ by 1.00 ± 0.40 %, beyond the 0.5 % that their calibrations leave open"),
+        (1.01, 0.0, "differ by 1.00 ± 0.40 %, within the 3 % allowed where no calibration is stated"),
+        (0.99, 0.005, "differ by 1.00 ± 0.40 %, beyond the 0.5 % that their calibrations allow"),
         (1.2, 0.0, "differ by 20.00 ± 0.40 %, far beyond the 3 %"),
     ],
 )

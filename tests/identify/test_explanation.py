@@ -67,7 +67,7 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     leaves = {s.effect.name: f"{s.error_after:.3g} times" for s in found.suspects}
     assert f"Settling stiffness would leave {percent:.3g} % of the motion" in found.explanation
     assert f", quintic stiffness {leaves['quintic_stiffness']}, where the floor is" in found.explanation
-    assert "what is left has no name" in found.explanation
+    assert "the residual has no name" in found.explanation
     assert "does not name" not in found.explanation
 
 
@@ -86,7 +86,7 @@ def hummed(size: float, lines: tuple[str, ...] = LINES) -> Diagnosis:
 def test_what_is_named_at_the_floor_is_said_to_be_small_and_not_held_against_the_whole_library():
     found = hummed(1.9e-3, ("mains_hum",))
     assert found.verdict == "sensor_fault"
-    assert "at the floor without it, too: what is named is small" in found.explanation
+    assert "reaches the floor without it, too: the named effect is small" in found.explanation
     assert "cubic stiffness" not in found.explanation
 
 
@@ -96,7 +96,7 @@ def test_a_line_far_above_the_motion_of_one_channel_may_be_hum_or_a_force():
     assert found.suspects[0].rivals == ("harmonic_forcing",)
     leaves = {s.effect.name: s.fit.reduced for s in found.suspects}
     assert leaves["harmonic_forcing"] == pytest.approx(leaves["mains_hum"], rel=1e-3)
-    assert "does not tell it from harmonic forcing" in found.explanation
+    assert "does not distinguish it from harmonic forcing" in found.explanation
 
 
 def test_a_line_below_what_is_worth_a_name_is_a_remark():
@@ -109,8 +109,8 @@ def test_a_line_below_what_is_worth_a_name_is_a_remark():
 @pytest.mark.parametrize(
     ("kind", "sure", "before", "after", "told"),
     [
-        ("sensor", False, 9.98, 9.80, "That is 4 % of what the model leaves: 9.80 % of the motion is left"),
-        ("sensor", False, 9.98, 9.975, "That is hardly any of what the model leaves"),
+        ("sensor", False, 9.98, 9.80, "That is 4 % of the residual: 9.80 % of the motion remains"),
+        ("sensor", False, 9.98, 9.975, "That is hardly any of the residual"),
         ("sensor", False, 9.98, 3.0, ""),  # most of it
         ("sensor", False, 0.5, 0.4, ""),  # little is left
         ("sensor", True, 9.98, 9.80, ""),

@@ -57,7 +57,7 @@ def test_a_guessed_floor_does_not_excuse_what_stands_at_the_harmonics():
     assert not found.at_floor
     asked = found.harmonics(found.fit)
     assert asked.against
-    assert "not noise" in asked.sentence
+    assert "): more than noise explains" in asked.sentence
     assert (
         found.stated(found.fit).values["linear_stiffness.k"].std
         > 1.4 * found.fit.values["linear_stiffness.k"].std
@@ -68,7 +68,7 @@ def test_a_model_that_lacks_nothing_is_adequate_at_a_guessed_floor():
     found = in_one_channel(None, 0.0, 703)
     assert found.adequate(found.fit)
     assert found.harmonics(found.fit).p_value > 1e-3
-    assert "as noise leaves it" in found.harmonics(found.fit).sentence
+    assert "): no more than noise explains" in found.harmonics(found.fit).sentence
     assert found.stated(found.fit) is found.fit
 
 

@@ -46,8 +46,8 @@ def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_whe
     assert (small.verdict, small.named) == ("nothing_missing", ())
     assert not any(suspect.claimed for suspect in small.suspects)
     assert small.explanation.startswith(
-        f"Cubic stiffness is sure, but removes {removed:.3g} % of the motion only"
+        f"Cubic stiffness is sure, but it removes only {removed:.3g} % of the motion"
     )
     ladder = small.refine()
     assert len(ladder.steps) == 1
-    assert ladder.stopped_because == "what is left is too little of the motion to be worth a name"
+    assert ladder.stopped_because == "the residual is too small a part of the motion to be worth a name"

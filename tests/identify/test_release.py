@@ -128,7 +128,7 @@ def test_a_motion_that_is_over_at_once_is_not_called_silence() -> None:
     time = np.arange(2000) / 100.0 - 6.0
     u = np.exp(-2.5 * np.maximum(time, 0.0)) * np.sin(2 * np.pi * np.maximum(time, 0.0))
     u = u + 1e-3 * np.random.default_rng(5).standard_normal(2000)
-    with pytest.raises(NotIdentifiable, match="over within two cycles"):
+    with pytest.raises(NotIdentifiable, match="ends within two cycles"):
         release_of(FreeDecay(100.0, acceleration=u))
     with pytest.raises(NotIdentifiable, match="above its noise"):
         release_of(FreeDecay(100.0, acceleration=1e-3 * np.random.default_rng(5).standard_normal(2000)))

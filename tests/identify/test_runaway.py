@@ -28,7 +28,7 @@ def pendulum(amplitude: float, damping: float, rate: float = 50.0, seconds: floa
     [((np.nan,), (0.1, 0.2)), ((600.0,), (0.1, np.inf)), ((600.0, 0.0, -1e7), (0.0, 0.0)), ((1e30,), (0.0,))],
 )
 def test_coefficients_that_describe_no_decay_are_refused_in_a_sentence(stiffness, damping):
-    with pytest.raises(NotIdentifiable, match="run away"):
+    with pytest.raises(NotIdentifiable, match="would diverge"):
         simulate_decay(0.02, 0.0, np.array(stiffness), np.array(damping), 1 / 256, 2048)
 
 
@@ -43,7 +43,7 @@ def test_orders_with_which_a_pendulum_would_run_away_are_given_up():
     # at 2 rad a polynomial of fifth order may tip over where the sine does not; the first order is always sound
     found = identify_wavelet(pendulum(2.0, 0.02))
     assert all(np.isfinite(value.value) for value in found.stiffness_by_order.values())
-    assert "run away" in found.stiffness_reason
+    assert "would diverge" in found.stiffness_reason
 
 
 def test_a_pendulum_at_large_angles_shows_the_sine():

@@ -23,7 +23,7 @@ def test_numbers_go_by_the_sessions_name_and_empty_cells_are_left_out(tmp_path):
     found, notes = table(tmp_path, "Session,temperature [degC],weight\na,21.5,3\n\nb,,nan\n")
     assert found["a"].conditions == {"temperature [degC]": 21.5, "weight": 3.0}
     assert found["b"].conditions == {}
-    assert notes == ("known.csv: weight holds text, no trend is looked for in that",)
+    assert notes == ("known.csv: weight holds text: no trend is computed for it",)
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])

@@ -187,7 +187,7 @@ def test_the_report_has_a_table_of_what_was_predicted():
 def test_what_is_not_distinguishable_is_named_together_with_what_would_tell():
     told = explain_unconfirmed(confirmation(effects=False), (), 2.0)
     assert "The frequency changes, and " in told
-    assert "explain it alike, so none is named" in told
+    assert "explain it equally well, so none is named" in told
     assert "a quarter of the amplitude" in told
     assert "No effect of the library" in explain_unconfirmed(
         replace(confirmation(effects=False), asked=()), (), 2.0

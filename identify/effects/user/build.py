@@ -121,7 +121,7 @@ def _check_together(draft: Draft, draw: Draw) -> None:
             "or as one strength times the rest, a*(u + r*v) for a*u + b*v"
         )
     raise ValueError(
-        f"{draft.name}: {', '.join(together)} act only together, so that no record can tell them apart; leave one out"
+        f"{draft.name}: {', '.join(together)} act only together, so no record can determine each of them; leave one out"
     )
 
 

@@ -72,7 +72,9 @@ def check_values(name: str, values: Values, draw: Draw) -> None:
     if not dry and not any(force.any() for force in forces):
         raise ValueError(f"{name}: the force is zero everywhere")
     if not dry and not any(np.ptp(force) > 0.0 for force in forces):
-        raise ValueError(f"{name}: a constant force only moves the spring's zero, and cannot be told from it")
+        raise ValueError(
+            f"{name}: a constant force only moves the spring's zero and cannot be distinguished from it"
+        )
 
 
 def points_near(random: np.random.Generator, p: dict[str, float]) -> dict[str, Array]:

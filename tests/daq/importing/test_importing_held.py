@@ -122,4 +122,4 @@ def test_readings_that_are_held_by_no_clock_are_told(tmp_path: Path) -> None:
     measured = times[np.maximum.accumulate(np.where(new, np.arange(600), 0))]
     recording = load(tmp_path, table("t (s),x (mm)", times, np.round(motion(measured, 1.1), 3)))
     assert recording.rate == pytest.approx(30.0)
-    assert "of the rows repeat the one before while the mass moves, by no clock" in said(recording)
+    assert "of the rows repeat the one before while the mass moves, at irregular times" in said(recording)
