@@ -74,7 +74,7 @@ class RestoringForceDocument(MethodDocument):
 
 
 class AdequacyDocument(Part):
-    """Whether the identified model explains its record: what it leaves, how the methods and the clock agree."""
+    """Whether the identified model explains its record: its residual, and how well methods and clock agree."""
 
     effects: list[str]
     chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))

@@ -1,4 +1,4 @@
-"""The ladder as it is kept in a session: every step with its model, so that each can be gone back to."""
+"""The ladder of a session as a document: every step with its model, so that one can go back to it."""
 
 from typing import TYPE_CHECKING, Any, Self
 

@@ -34,7 +34,7 @@ FEWEST_SAMPLES = 32
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """What an import made: the sessions, one for each release, their recordings, and what was understood and guessed."""
+    """The result of an import: the sessions, one for each release, their recordings, and notes on what was guessed."""
 
     sessions: tuple[Session, ...]
     recordings: tuple[Recording, ...]

@@ -1,4 +1,4 @@
-"""What a model leaves of a record, in one measure for people, and what a suspect would explain of it.
+"""The residual of a record in one measure for people, and the share of it that a suspect would explain.
 
 The measure is the residual in % of the motion, and its rms as a multiple of the noise: amplitudes, not powers.
 """

@@ -1,4 +1,4 @@
-"""The ladder as it is told: step by step what was added, the residual, what changed; the noise comes last."""
+"""The ladder in words: for each step the effect added, the residual and what changed; the noise comes last."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A validation as it is told: the verdict, then the errors of prediction session by session."""
+"""A validation in words: the verdict, then the errors of prediction session by session."""
 
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name
@@ -29,7 +29,7 @@ def told(document: ValidationDocument) -> Told:
 
 
 def predictions(document: ValidationDocument) -> Table:
-    """Make the table of what the usual model and this one predict of each session."""
+    """Make the table of the errors of prediction of each session, by the usual model and by this one."""
     rows, marks = [], []
     for one in document.sessions[:MOST_ROWS]:
         word = "better" if one.better else "worse" if one.worse else "alike"
