@@ -69,7 +69,7 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     except UnicodeError:
         if name is not None:
             raise problem(
-                path, f"begins as {name} text but does not go on so", "save it again as text"
+                path, f"begins as {name} text but does not continue as such", "save it again as text"
             ) from None
         lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
     if (

@@ -184,7 +184,7 @@ SECOND_MASS = ForceEffect(
     fine_starts=_fine_line_starts,
     reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
-    symptom="a second line that starts at the release and dies by itself; beats; another mode of the rig reads the same",
+    symptom="a second line that starts at the release and decays on its own; beats; another mode of the rig looks the same",
     confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),
 )

@@ -53,12 +53,12 @@ def _refitted(document: ValidationDocument) -> str:
 
 
 def _most(found: list[PredictionDocument]) -> str:
-    """Say by how much the model's own were changed at most."""
+    """State the largest changes of the model's own spring and damper."""
     parts = []
     for name in dict.fromkeys(name for one in found for name in one.varied_percent):
         moved = max(abs(one.varied_percent.get(name) or 0.0) for one in found)
         parts.append(f"{name} by {moved:.2g} %")
-    return f" (changed at most: {', '.join(parts)})" if parts else ""
+    return f" (largest change: {', '.join(parts)})" if parts else ""
 
 
 def _left(value: float | None) -> str:
