@@ -58,7 +58,7 @@ class Budget:
         return SPARE_BYTES + round(2 * self.rate * max(self.sample_bytes, 16) * seconds)
 
     def require(self) -> int:
-        """Return how many bytes the log may take; SettingsError when full frames alone would not fit a session."""
+        """Return the most bytes that the log may take; SettingsError when full frames alone would not fit a session."""
         least = self.rate * self.sampling_s * self.sample_bytes * SMALLEST_OVERHEAD
         if least > MAX_LOG - SLACK_BYTES:
             raise SettingsError(

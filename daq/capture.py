@@ -325,7 +325,7 @@ def _small(value: float, unit: str) -> str:
 
 
 def _waited(seconds: float, began: float) -> str:
-    """Return how long was waited, by which clock: the board may count its seconds faster than this computer."""
+    """Write the waiting time, and its clock: the board may count its seconds faster than this computer."""
     here = time.monotonic() - began
     if here > 0.8 * seconds:
         return f"{seconds:g} s"

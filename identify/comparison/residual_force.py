@@ -82,7 +82,7 @@ def respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
 def respond_in(
     shooting: MultipleShooting, segment: Segment, patterns: Array, until: int
 ) -> tuple[Array, Array]:
-    """Return what forces (samples of the stretch, patterns) do from its beginning on.
+    """Compute the response to forces (samples of the stretch, patterns) from its beginning on.
 
     The whitened change of the readings (rows of the stretch, patterns), and the change of displacement and velocity
     at sample `until`, in natural sizes, (2, patterns).
@@ -104,7 +104,7 @@ def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patt
 
 
 def read_change(shooting: MultipleShooting, x: Array, v: Array, a: Array) -> dict[str, Array]:
-    """Return what the sensors show of a small change of displacement, velocity and acceleration."""
+    """Return the change of the readings by a small change of displacement, velocity and acceleration."""
     lag = shooting.lag
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,

@@ -99,7 +99,7 @@ class SharedPhysics:
 
 
 def shared_physics(decays: Sequence[PreparedDecay]) -> SharedPhysics:
-    """Return whether releases share their physics, as far as the usual model can say; each is fitted alone.
+    """Compare the physics of releases, by the usual model fitted to each alone.
 
     Raises NotIdentifiable where a release holds too little to fit anything.
     """

@@ -73,7 +73,7 @@ class Confirmation:
         return {one.explains: one.names for one in self.asked if one.verdict != "named"}
 
     def has_law(self, name: str) -> bool:
-        """Whether the curves can show an effect at all."""
+        """Check whether the curves can show an effect at all."""
         return name in self.laws
 
     @property

@@ -65,7 +65,7 @@ class Hypothesis:
         return self.shape is None and self.walk is None
 
     def contains(self, other: "Hypothesis") -> bool:
-        """Whether another is this one with something left out or its exponent held, so that it can follow all it does."""
+        """Check whether another is this one with something left out or its exponent held, so that this can follow it."""
         held = (family.members for family in FAMILIES if family.effect.name in self.names)
         return set(other.fit.model.names) <= set(self.fit.model.names).union(*held)
 
@@ -230,7 +230,7 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
 
 
 def _recorded(decay: PreparedDecay) -> float:
-    """Return how long a release was recorded (s), of which the part that moves is fitted."""
+    """Return the recorded time of a release (s), of which the moving part is fitted."""
     share = decay.use.share if decay.use is not None else 1.0
     return len(decay.window) / decay.window.rate / max(share, 0.05)
 

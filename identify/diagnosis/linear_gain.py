@@ -129,7 +129,7 @@ class Slope:
         return cls(base, base.problem, *base.linearised)
 
     def free_of_known(self, columns: Array) -> Array:
-        """Return what the model's own parameters cannot follow of columns (n, m)."""
+        """Remove from columns (n, m) the part that the model's own parameters can follow."""
         return self.jacobian.free(columns)
 
 

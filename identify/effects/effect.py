@@ -58,7 +58,7 @@ class Scales:
 
 
 def near_harmonic(line: float, scales: Scales) -> bool:
-    """Whether a line (Hz) lies so near zero, the motion's frequency or a harmonic that a nonlinear force makes it too."""
+    """Check whether a line (Hz) lies so near zero or a harmonic of the motion that a nonlinear force may make it."""
     fundamental = scales.frequency / (2.0 * pi)
     order = round(line / fundamental)
     width = max(0.5 / scales.duration, 0.015 * order * fundamental)
@@ -137,7 +137,7 @@ class Effect(ABC):
         return [p.name for p in self.parameters].index(parameter)
 
     def has_meaning_for(self, unit: str) -> bool:
-        """Whether the effect can act on displacements in a unit."""
+        """Check whether the effect can act on displacements in a unit."""
         return not self.units or unit in self.units
 
 

@@ -140,7 +140,7 @@ def _fine_line_starts(scales: Scales) -> Starts:
 
 
 def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
-    """Whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
+    """Check whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
 
     Tuned to the motion, as a damper is, it splits the motion's line by the root of the ratio of masses (Den Hartog 1934):
     that shows where it is more than either line is wide, by a beat at least within the record.

@@ -294,7 +294,7 @@ def _run(  # type: ignore[no-untyped-def]
 
 
 def substeps_for(frequency: float, rate: float, *, nonsmooth: bool, longer: float = 1.0) -> int:
-    """Return how many integration steps a sample needs for an angular frequency in rad/s at a rate in Hz.
+    """Count the integration steps a sample needs for an angular frequency in rad/s at a rate in Hz.
 
     Steps `longer` by a factor are for a motion that need not be followed to below the noise.
     """

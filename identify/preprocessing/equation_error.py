@@ -29,7 +29,7 @@ class Regression:
 
 
 def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
-    """Return where the velocity is known to differ from zero and its sign does not change nearby, shape (n,)."""
+    """Mark the samples where the velocity surely differs from zero and keeps its sign nearby, shape (n,)."""
     noise = motion.noise_velocity or 0.0
     speed = np.abs(motion.velocity)
     fast = speed > max(sigmas * noise, 0.02 * float(speed.max(initial=0.0)))

@@ -183,7 +183,7 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
 
 
 def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
-    """Return why a record has no burst: nothing stands above the noise, or what does is over at once."""
+    """Say why a record has no release: nothing stands above the noise, or the motion ends at once."""
     amplitude = running_amplitude(lead.values, max(4, round(period)))
     if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
         return (
@@ -239,7 +239,7 @@ def _release(
 
 
 def _letting_go(rate: float, period: float, channel: _Channel, onset: Onset | None) -> float:
-    """Return how many samples after the onset the motion is surely free.
+    """Count the samples after the onset until the motion is surely free.
 
     A hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most.
     Where 30 ms is more than half a period, a hand would show: a release that a switch describes, as a magnet or a

@@ -84,7 +84,7 @@ def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, 
 
 
 def declared(names: Iterable[Sequence[str]]) -> frozenset[str]:
-    """Return what was changed on purpose, by several lists of names; UsageProblem for a name that is none of VARIES."""
+    """Read lists of what was changed on purpose; UsageProblem for a name that is none of VARIES."""
     found = frozenset(name.strip() for several in names for name in several)
     for name in sorted(found - set(VARIES)):
         raise UsageProblem(

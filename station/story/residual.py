@@ -48,5 +48,5 @@ def explained_words(before: float | None, after: float | None, spread: float | N
 
 
 def reaches_floor(after: float | None, std: float | None) -> bool:
-    """Whether a reduced chi-square is the noise floor, `std` being its standard error."""
+    """Check whether a reduced chi-square is the noise floor, `std` being its standard error."""
     return after is not None and isfinite(after) and after <= 1.0 + 3.0 * (std or 0.0)

@@ -167,12 +167,12 @@ def names_in(tree: ast.expr) -> list[ast.Name]:
 
 
 def is_sign(node: ast.AST) -> TypeGuard[ast.Call]:
-    """Whether a node is sgn(...)."""
+    """Check whether a node is sgn(...)."""
     return isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("sgn", "sign")
 
 
 def is_slip_direction(node: ast.AST) -> bool:
-    """Whether a node is sgn(v)."""
+    """Check whether a node is sgn(v)."""
     return is_sign(node) and getattr(node.args[0], "id", "") == "v"
 
 
