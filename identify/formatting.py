@@ -1,4 +1,4 @@
-"""How numbers are written for people: with as many digits as their error allows, and with their unit."""
+"""Numbers for people: with as many digits as their error allows, and with their unit."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -58,7 +58,7 @@ def with_error(value: float, std: float) -> str:
 
 
 def share_words(share: float) -> str:
-    """Return a share, 0 to 1, of what a model leaves, as it is said of what explains it: "99.9 %", "61 %", "nothing"."""
+    """Write the share, 0 to 1, of a residual that an effect explains: "99.9 %", "61 %", "nothing"."""
     if share < EXPLAINS_NOTHING:
         return "nothing"
     if share >= _ALL:

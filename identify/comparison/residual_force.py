@@ -1,4 +1,4 @@
-"""The extra force: how large a force of given pattern would explain what the tracked model leaves."""
+"""The extra force: the size of a force of given pattern that would explain the residual of the tracked model."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class ResidualForce:
 def estimate_extra_force(
     shooting: MultipleShooting, patterns: Array, faults: Array | None = None
 ) -> ResidualForce:
-    """Least squares of what the tracked model leaves on the response to patterns (n, patterns) of force.
+    """Fit the residual of the tracked model by its response to patterns (n, patterns) of force (least squares).
 
     `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
     The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which

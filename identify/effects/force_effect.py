@@ -1,4 +1,4 @@
-"""A force per unit mass: what it is, and what it does along a given motion."""
+"""A force per unit mass: its definition, and its values along a given motion."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

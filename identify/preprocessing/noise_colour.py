@@ -92,7 +92,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class RestColour:
-    """What a channel's rest says of the colour of its noise.
+    """The colour of a channel's noise, estimated from its rest.
 
     `rate` (Hz) is the record's; `log_likelihood` (shapes, strengths) that of every colour, 0 for white noise; `left` are the
     readings without lines; `lines` stand in the rest; those of them that are part of the noise, since both channels have

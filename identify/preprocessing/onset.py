@@ -18,7 +18,7 @@ Beginning = Literal["displaced", "impulse"]
 
 
 class Onset(NamedTuple):
-    """Where free motion begins, and how.
+    """The beginning of free motion, and its kind.
 
     `place` (fractional sample) and `std` (samples) of the onset; amplitudes of the two ways to begin; the
     level held. `misfit` is the mean square left; `misfit_without` what one oscillation and a line leave of

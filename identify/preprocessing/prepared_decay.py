@@ -98,7 +98,7 @@ class PreparedDecay(Summarised):
 
     @cached_property
     def rest_colour(self) -> dict[str, RestColour]:
-        """What the rest says of the colour of each channel's noise."""
+        """The colour of each channel's noise, estimated from the rest."""
         if self.rest is None:
             return {}
         rate = (len(self.rest.time) - 1) / float(self.rest.time[-1] - self.rest.time[0])

@@ -1,4 +1,4 @@
-"""How much of a record is analysed, and why the analysis ends where it does."""
+"""The part of a record that is analysed, and why the analysis ends where it does."""
 
 from dataclasses import dataclass
 from typing import Literal

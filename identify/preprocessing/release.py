@@ -40,7 +40,7 @@ POINTS_PER_PERIOD = 48
 
 @dataclass(frozen=True)
 class Release:
-    """Where the motion becomes free.
+    """The release: the time from which the motion is free.
 
     `time_s` (sub-sample, from the first sample) and its standard error `std_s`; `index` is the first
     sample of free motion; `settle` is the first sample at which the hand has surely let go (use it as the start of

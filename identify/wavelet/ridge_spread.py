@@ -1,4 +1,4 @@
-"""The spread of what the ridge says: the channel's noise carried through the transform, and the misfit."""
+"""The covariance of the ridge's values: the channel's noise carried through the transform, and the misfit."""
 
 from collections.abc import Sequence
 

@@ -45,7 +45,7 @@ _TRUSTED = 0.9  # share of the window that must hold samples
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WaveletResult(Summarised):
-    """What the envelope and the instantaneous frequency say.
+    """The result from the envelope and the instantaneous frequency.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
     i = 0..`order`; `stiffness_by_order` the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5).
