@@ -32,7 +32,7 @@ __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
 MICROMETRES = 1e-4
-"""Noise of a length (m) below which it is told in um."""
+"""Noise of a length (m) below which it is written in um."""
 
 
 def capture(

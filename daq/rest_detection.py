@@ -60,7 +60,7 @@ class RestPeriod:
 
     @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, samples: Array) -> None:
-        """Take a block, shape (channels, n); motion begins the period anew."""
+        """Take a block, shape (channels, n); motion starts the period again."""
         self._samples = np.concatenate((self._samples, samples), axis=1)[:, -self._wanted :]
         n = self._samples.shape[1]
         if n < self._quiet:

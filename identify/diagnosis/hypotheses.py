@@ -206,7 +206,7 @@ def _swapped(
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
     """Make a suspect a hypothesis; the inner parameters of a law of time stay within the range of its name.
 
-    Beyond it another effect is the better name for the same force: what settles in hours drifts.
+    Beyond it the same force has another name: a stiffness that settles in hours drifts.
     """
     name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
     if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):

@@ -93,7 +93,7 @@ def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) 
     motion = prepared.motion
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     force = force_along(term, inner_values(term, inner), *along)
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion diverges
         rms = float(np.sqrt(np.mean(force**2)))
     return _PRESENT * float(np.sqrt(np.mean(motion.acceleration**2))) / rms if 0.0 < rms < np.inf else None
 

@@ -42,7 +42,7 @@ def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
 def regress(restoring: Array, columns: Array, used: Mask, noise: float = 1.0) -> Regression:
     """Least squares of the measured restoring force per unit mass (n,) on force columns (n, terms) and a constant."""
     design = np.column_stack([columns, np.ones(len(columns))])
-    if not np.isfinite(design[used]).all():  # a state that ran away
+    if not np.isfinite(design[used]).all():  # a state that diverged
         return Regression(np.zeros(columns.shape[1]), 0.0, restoring, np.inf, int(used.sum()))
     size = np.linalg.norm(design[used], axis=0)
     size[size == 0.0] = 1.0

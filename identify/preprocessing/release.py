@@ -32,7 +32,7 @@ SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""
 
 BEAT_SHARE = 0.9
-"""What rises again to more than this share of what it was has been released anew: damping takes some of every beat."""
+"""A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""

@@ -121,7 +121,7 @@ def _with_orders(
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
-    which the motion would run away, or that no rounds settle, are not tried again: first those of stiffness,
+    which the motion would diverge, or that no rounds settle, are not tried again: first those of stiffness,
     then those of damping.
     """
     least, most = damping

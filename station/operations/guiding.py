@@ -37,7 +37,7 @@ MOST_TAKES = 3
 
 
 class Watcher(Protocol):
-    """Who is told how a guided test goes on."""
+    """An observer of a guided test."""
 
     def asks(self, number: int, told: Guidance) -> None:
         """A release is wanted, for a reason."""

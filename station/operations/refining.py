@@ -167,7 +167,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
 def refine_to_floor(
     refinement: Refinement, progress: Progress, found_so_far: Seen | None = None
 ) -> KeptLadder:
-    """Add what is missing until nothing is; each step is told to `progress`, and kept as soon as it is found.
+    """Add what is missing until nothing is; `progress` gets each step, which is kept as soon as it is found.
 
     `found_so_far` gets the kept ladder after each step, and the step in words.
     """

@@ -69,7 +69,7 @@ class ConfirmationDocument(Part):
 
 
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
-    """Return a confirmation on some sessions as it is kept."""
+    """Make the document of a confirmation on some sessions."""
     names = _names(found, sessions)
     effects = [ConfirmedEffectDocument.of(one, title=one.term.effect.title) for one in found.effects]
     usual, with_effects = _errors(found.usual, names), _errors(found.found, names)

@@ -95,7 +95,7 @@ def diagnosis_document(
     expressions: tuple[str, ...] = (),
     left_out: tuple[LeftOut, ...] | None = None,
 ) -> DiagnosisDocument:
-    """Return a diagnosis of some sessions as it is kept.
+    """Make the document of a diagnosis of some sessions.
 
     `expressions` are the user's own effects; `left_out` are the errors of physics fitted to the other sessions, None
     with one session.
@@ -220,7 +220,7 @@ def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
 
 
 def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | None:
-    """Return a chosen release as it is kept; None where none was chosen."""
+    """Make the document of a chosen release; None where none was chosen."""
     if chosen is None:
         return None
     best = chosen.best

@@ -134,7 +134,7 @@ def write_document(session: Session, name: str, document: Document) -> None:
 
 
 def to_text(document: BaseModel) -> str:
-    """Return the text of a document as it is kept."""
+    """Write a document as the text of its file."""
     return document.model_dump_json(indent=2) + "\n"
 
 

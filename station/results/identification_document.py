@@ -119,7 +119,7 @@ class IdentificationDocument(Document):
 def identification_document(
     name: str, result: Identification, options: Options | None = None
 ) -> IdentificationDocument:
-    """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
+    """Make the document of the identification of the session `name`; `options` are those that it was made with."""
     decay, release, rate = result.decay, result.release, result.decay.rate
     return IdentificationDocument.of(
         result,

@@ -69,7 +69,7 @@ def validation_document(
     names: tuple[str, ...],
     skipped: dict[str, str],
 ) -> ValidationDocument:
-    """Return a validation as it is kept; `names` are those of the sessions predicted, `skipped` says why others were not."""
+    """Make the document of a validation; `names` are those of the sessions predicted, `skipped` says why others were not."""
     sessions = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
     why = [SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()]
     return ValidationDocument.of(

@@ -114,7 +114,7 @@ def adequacy(
 
 
 def _doubt_of_clock(window: FitWindow) -> str:
-    """Say by how much the sampling rate may be off where that is too much to quote; "" where it was given as it is."""
+    """Say by how much the sampling rate may be off where that is too much to quote; "" where the rate is taken as exact."""
     share = (window.rate_std or 0.0) / window.rate
     return "" if share <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * share:.2g} %"
 

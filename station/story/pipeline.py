@@ -174,7 +174,7 @@ def diagnose(
 ) -> "tuple[Diagnosis, tuple[LeftOut, ...] | None]":
     """Find out what a model lacks; with several releases also the error on each of what was found on the others.
 
-    `steps` is told each fit as it is counted, `progress` only what takes long.
+    `steps` gets each fit as it is counted, `progress` only the long steps.
     """
     from identify.diagnosis.diagnose import diagnose as diagnose_decays
 

@@ -175,7 +175,7 @@ def test_a_recipe_is_kept_can_be_corrected_and_says_all(capsys):
     assert run(["verify", str(mine.folder)]) == 0
     capsys.readouterr()
     assert run(["import", "one.csv", "--recipe", "mine.toml", "--rate", "50"]) == 2
-    assert "says all" in capsys.readouterr().err
+    assert "says how the whole file is read" in capsys.readouterr().err
 
 
 def test_the_parts_of_a_recipe_are_sessions_and_not_cut_further(capsys):

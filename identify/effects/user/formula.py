@@ -97,7 +97,7 @@ def parse_formula(text: str, *, before: int = 0) -> ast.expr:
 
 
 def _checked(node: ast.expr, first: int, depth: int) -> ast.expr:
-    """Build a tree anew from the kinds of nodes that are allowed; all numbers become floats, but whole powers."""
+    """Rebuild a tree from the kinds of nodes that are allowed; all numbers become floats, but whole powers."""
     at = first + node.col_offset
 
     def below(part: ast.expr) -> ast.expr:
