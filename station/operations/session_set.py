@@ -100,5 +100,5 @@ def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...
         if window.channels != first.channels or window.unit != first.unit:
             raise UsageProblem(
                 f"{session.folder.name} has {', '.join(window.channels)} in {window.unit}, {sessions[0].folder.name} has "
-                f"{', '.join(first.channels)} in {first.unit}; diagnose together what was measured alike"
+                f"{', '.join(first.channels)} in {first.unit}; only sessions with the same channels and unit go together"
             )
