@@ -1,4 +1,4 @@
-"""What a capture may take at most: bytes of log, room on the disk, seconds; refused before START."""
+"""The limits of a capture: bytes of log, room on the disk, seconds; checked before START."""
 
 from dataclasses import dataclass
 

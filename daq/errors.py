@@ -1,4 +1,4 @@
-"""What can go wrong on the way from a port to a sealed session, by whose fault it is.
+"""The errors on the way from a port to a sealed session, sorted by who can mend them.
 
     StationError               1  unexpected
     |- OperatorError           2  settings or usage
