@@ -34,7 +34,7 @@ _FREE_FORM = 24
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What may be true: the effects beyond the model that was asked about, fitted; `log_odds` are relative, nats.
+    """A hypothesis: the effects beyond the diagnosed model, fitted; `log_odds` are relative, nats.
 
     `shape` is the law without a name that acts beside the fit, `walk` a random walk of spring and damper that does; None
     elsewhere. `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
@@ -244,7 +244,7 @@ def _hides(suspect: Suspect) -> bool:
 def _as_judged(
     one: Hypothesis, weighed: Sequence[Hypothesis], named: tuple[str, ...], rivals: Sequence[str]
 ) -> Hypothesis:
-    """Return a hypothesis with odds that agree with the verdict, which knows more: the curves of the decay.
+    """Set the odds of a hypothesis to agree with the verdict, which also knows the curves of the decay.
 
     A rival of what is named is no farther behind it than what is not distinguishable, all else together no nearer.
     """

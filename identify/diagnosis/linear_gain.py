@@ -45,7 +45,7 @@ def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, floa
 
 
 def _line_of_release(base: Fit, term: Term, start: dict[str, float], i: int) -> dict[str, float]:
-    """Return the values of a line of the frequency of `start` as the residual of release i shows it."""
+    """Fit a line of the frequency of `start` to the residual of release i."""
     window = base.windows[i]
     units = {p.unit: p.name for p in term.effect.parameters}
     used = window.used[term.channel]
