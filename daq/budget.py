@@ -1,4 +1,4 @@
-"""What a capture may take at most: bytes of log, room on the disk, seconds; refused before START."""
+"""The limits of a capture: bytes of log, room on the disk, seconds; checked before START."""
 
 from dataclasses import dataclass
 
@@ -58,7 +58,7 @@ class Budget:
         return SPARE_BYTES + round(2 * self.rate * max(self.sample_bytes, 16) * seconds)
 
     def require(self) -> int:
-        """Return how many bytes the log may take; SettingsError when full frames alone would not fit a session."""
+        """Return the most bytes that the log may take; SettingsError when full frames alone would not fit a session."""
         least = self.rate * self.sampling_s * self.sample_bytes * SMALLEST_OVERHEAD
         if least > MAX_LOG - SLACK_BYTES:
             raise SettingsError(

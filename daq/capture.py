@@ -32,7 +32,7 @@ __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
 MICROMETRES = 1e-4
-"""Noise of a length (m) below which it is told in um."""
+"""Noise of a length (m) below which it is written in um."""
 
 
 def capture(
@@ -325,7 +325,7 @@ def _small(value: float, unit: str) -> str:
 
 
 def _waited(seconds: float, began: float) -> str:
-    """Return how long was waited, by which clock: the board may count its seconds faster than this computer."""
+    """Write the waiting time, and its clock: the board may count its seconds faster than this computer."""
     here = time.monotonic() - began
     if here > 0.8 * seconds:
         return f"{seconds:g} s"

@@ -90,7 +90,7 @@ def lasting_step(indices: Sequence[int], times: Sequence[float]) -> Unevenness |
 
 
 def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | None:
-    """Return how far the board's times (us) of the samples `indices`, in order, part from even ones; None with one.
+    """Measure how far the board's times (us) of the samples `indices`, in order, differ from even ones; None with one.
 
     Their own typical spacing is taken for even, whatever the rate; what their rounding explains is left out.
     """

@@ -1,4 +1,4 @@
-"""How well the sampling rate of a capture is known: the board's clock, this computer's, and what neither can tell.
+"""The uncertainty of a capture's sampling rate, by the board's clock and this computer's.
 
 The result is always a number. Whatever was not checked may be wrong, so the less the clocks tell, the larger it is.
 """
@@ -114,7 +114,7 @@ def _against(host: ClockFit, rate: float, stated_ppm: float | None) -> float:
 
 
 def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
-    """Return by how much the board's times part from its indices in the recording, as a share of a second."""
+    """Return the difference of the board's times from its indices in the recording, as a share of a second."""
     store, rate = assembly.samples, assembly.rate
     if assembly.origin == BOARD and store.clock_stands_still():
         said.append(
@@ -142,7 +142,7 @@ def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
 
 
 def _lasting_step(assembly: Assembly, said: list[Suspicion]) -> float:
-    """Return by how much the arrivals shift for good within the recording, as a share of a second."""
+    """Return the lasting shift of the arrivals within the recording, as a share of a second."""
     found: Unevenness | None = assembly.samples.lasting_step()
     if found is None or found.index <= assembly.start or found.after >= assembly.stop:
         return 0.0

@@ -89,7 +89,7 @@ def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tu
 
 
 def own_change(x: Array, index: int, period: float) -> float:
-    """Return by how much a channel is another after reading `index` than whole periods before: 0 for one that goes on."""
+    """Measure how much a channel differs after reading `index` from whole periods before: 0 for one that goes on."""
     gap, whole = round(0.25 * period), round(period)
     after = x[index + gap : index + gap + whole]
     before = x[max(index + gap - 2 * whole, 0) :][: len(after)]

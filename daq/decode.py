@@ -184,7 +184,7 @@ class Assembly:
         )
 
     def integrity(self) -> Integrity:
-        """Return whether the samples are those of which END tells the number and the checksum."""
+        """Check whether the samples are those of which END tells the number and the checksum."""
         return integrity(self.samples, self._losses, self.end, self.start, self.most_missing)
 
     def _forget_samples(self) -> None:
@@ -277,12 +277,12 @@ class Assembly:
 
 
 def is_ours(frame: Frame) -> bool:
-    """Return whether a frame belongs to the stream that is recorded; of another version nobody knows the stream."""
+    """Check whether a frame belongs to the stream that is recorded; of another version nobody knows the stream."""
     return frame.stream == STREAM or isinstance(frame.message, OtherVersion)
 
 
 def _objection(assembly: Assembly, data: Data) -> str | None:
-    """Return how DATA contradicts what the board said before, or None."""
+    """Say how DATA contradicts an earlier statement of the board, or None."""
     description, end, expected = assembly.description, assembly.end, assembly.expected
     if description is None:
         return "samples came before a description of the channels"

@@ -1,4 +1,4 @@
-"""What can go wrong on the way from a port to a sealed session, by whose fault it is.
+"""The errors on the way from a port to a sealed session, sorted by who can mend them.
 
     StationError               1  unexpected
     |- OperatorError           2  settings or usage
@@ -23,7 +23,7 @@
     |- LinkLost                6  the connection ended before the recording did
     |  |- Disconnected            unplugged
     |  |- Stalled                 silent
-    |  `- Rebooted                the board started anew in mid-capture
+    |  `- Rebooted                the board restarted in mid-capture
     `- StorageError            7  the disk's fault
        |- SessionLocked        9  another process is writing this session
        |- SessionChanged       9  another process changed it since it was read
@@ -144,7 +144,7 @@ class Stalled(LinkLost):
 
 
 class Rebooted(LinkLost):
-    """The board started anew in mid-capture: its sample index began again."""
+    """The board restarted in mid-capture: its sample index began again."""
 
 
 class StorageError(StationError):

@@ -26,7 +26,7 @@ def temporary_folder(error: StorageError) -> Path | None:
 
 
 def is_temporary(folder: Path) -> bool:
-    """Return whether `temporary_folder` made this folder."""
+    """Check whether `temporary_folder` made this folder."""
     return folder.name.startswith(PREFIX) and folder.parent == Path(tempfile.gettempdir())
 
 

@@ -80,6 +80,6 @@ class FrameReader:
 
     def _too_much(self) -> str:
         return (
-            f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than what was asked for can"
+            f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than the request can"
             " need; check baud rate and port, or the board's firmware"
         )

@@ -197,7 +197,7 @@ def _differs(path: Path, known: FileEntry) -> str:
 
 
 def is_plain_name(name: str) -> bool:
-    """Return whether a relative path stays in its folder, on any system."""
+    """Check whether a relative path stays in its folder, on any system."""
     parts = name.replace("\\", "/").split("/")
     return len(name) < 256 and all(p not in ("", ".", "..") and ":" not in p and "\0" not in p for p in parts)
 

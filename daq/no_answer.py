@@ -42,5 +42,5 @@ def unanswered(port: str, what: str, counts: Statistics, silent: bool) -> Statio
 
 
 def is_noisy(counts: Statistics) -> bool:
-    """Return whether more damaged pieces than sound frames came."""
+    """Check whether more damaged pieces than sound frames came."""
     return counts.damaged > max(counts.frames, NOISE_PIECES)

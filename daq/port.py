@@ -77,7 +77,7 @@ def open_port(name: str, baud: int = BAUD) -> Port:
 
 
 def may_have_reset_the_board(port: Port) -> bool:
-    """Return whether opening the port may have made the board boot."""
+    """Check whether opening the port may have made the board boot."""
     return isinstance(port, SerialPort) and port.has_modem_lines
 
 

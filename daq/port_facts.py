@@ -1,4 +1,4 @@
-"""What the system knows of a port without opening it: is it there, may it be opened, who holds it, its latency."""
+"""The system's facts about a port, without opening it: is it there, may it be opened, who holds it, its latency."""
 
 import os
 from dataclasses import dataclass

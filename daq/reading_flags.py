@@ -70,7 +70,7 @@ class Flagged:
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """One channel as it is looked at: readings, which of them are there and which are fresh, swing, noise, period."""
+    """One channel under inspection: readings, which of them exist and which are fresh, swing, noise, period."""
 
     x: Array
     valid: Mask

@@ -34,7 +34,7 @@ def smallest_motion(channel: Channel, level: float | None = None) -> float:
 
 
 def is_still(channel: Channel, samples: Array, level: float | None = None) -> bool:
-    """Return whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
+    """Check whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
     white = float(np.median(np.abs(np.diff(samples)))) / 0.6745 / np.sqrt(2)
     allowed = max(3 * white, channel.resolution or 0.0, 0.1 * smallest_motion(channel, level))
     return bool(samples.std() <= allowed)
@@ -60,7 +60,7 @@ class RestPeriod:
 
     @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, samples: Array) -> None:
-        """Take a block, shape (channels, n); motion begins the period anew."""
+        """Take a block, shape (channels, n); motion starts the period again."""
         self._samples = np.concatenate((self._samples, samples), axis=1)[:, -self._wanted :]
         n = self._samples.shape[1]
         if n < self._quiet:

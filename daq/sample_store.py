@@ -139,7 +139,7 @@ class SampleStore:
         return fit_clock(list(self._stamps), [us * 1e-6 for us in self._stamps.values()])
 
     def clock_stands_still(self) -> bool:
-        """Whether the board gave all its samples one time."""
+        """Check whether the board gave all its samples one time."""
         return len(self._stamps) > 1 and len(set(self._stamps.values())) == 1
 
     def unevenness(self, first: int, stop: int) -> Unevenness | None:

@@ -61,7 +61,7 @@ def complete(folder: Path) -> tuple[str, ...]:
 
 
 def is_cut_off(folder: Path) -> bool:
-    """Return whether a process that died has left anything of a change."""
+    """Check whether a process that died has left anything of a change."""
     return next(_leftovers(folder), None) is not None
 
 
@@ -75,7 +75,7 @@ def _leftovers(folder: Path) -> Iterator[tuple[Path, Path]]:
 
 
 def _changes(name: str) -> bool:
-    """Return whether a file may ever change: the raw log and the source never do."""
+    """Check whether a file may ever change: the raw log and the source never do."""
     return name.startswith("results/") or ("/" not in name and name != "raw.log")
 
 

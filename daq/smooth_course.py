@@ -31,7 +31,7 @@ class Swing:
         return 0.5 * np.maximum(self.before, self.after)
 
     def steady(self, first: Index, last: Index, share: float = 1.0) -> Mask:
-        """Return whether the motion goes on from before the readings `first` to after `last`, (m,) each."""
+        """Check whether the motion continues from before the readings `first` to after `last`, (m,) each."""
         before, after = self.before[first], self.after[last]
         larger = np.maximum(before, after)
         return np.asarray((np.minimum(before, after) > STEADY * larger) & (larger > share * self.enough))

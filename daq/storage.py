@@ -240,7 +240,7 @@ class Lock:
         return True
 
     def _is_current(self, file: IO[bytes]) -> bool:
-        """Return whether nobody removed the lock's file between opening and locking it."""
+        """Check whether nobody removed the lock's file between opening and locking it."""
         try:
             return os.path.samestat(os.fstat(file.fileno()), self.path.lstat())
         except OSError:

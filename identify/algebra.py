@@ -1,4 +1,4 @@
-"""Banded and bounded systems: what every program solves, without the third of a second that loading `scipy` for it costs."""
+"""Solvers for banded and bounded systems, without the third of a second that loading `scipy` takes."""
 
 from itertools import combinations, product
 

@@ -35,7 +35,7 @@ def with_clock(value: Estimate, rate: float, rate_std: float | None) -> Estimate
 
 
 def clock_limits(value: Estimate, rate: float, rate_std: float | None) -> bool:
-    """Return whether most of the error of a value that went through `with_clock` is the clock's."""
+    """Check whether most of the error of a value that went through `with_clock` is the clock's."""
     return bool(rate_std) and 2.0 * _of_clock(value, rate, rate_std or 0.0) ** 2 > value.std**2
 
 

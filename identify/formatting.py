@@ -1,4 +1,4 @@
-"""How numbers are written for people: with as many digits as their error allows, and with their unit."""
+"""Numbers for people: with as many digits as their error allows, and with their unit."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,7 @@ _PREFIXED = "NJm"
 
 
 def decimals_for(std: float) -> int:
-    """Return how many decimals show two figures of a standard error."""
+    """Count the decimals that show two figures of a standard error."""
     if not math.isfinite(std) or std <= 0:
         return 4
     return max(0, 1 - math.floor(math.log10(std)))
@@ -58,7 +58,7 @@ def with_error(value: float, std: float) -> str:
 
 
 def share_words(share: float) -> str:
-    """Return a share, 0 to 1, of what a model leaves, as it is said of what explains it: "99.9 %", "61 %", "nothing"."""
+    """Write the share, 0 to 1, of a residual that an effect explains: "99.9 %", "61 %", "nothing"."""
     if share < EXPLAINS_NOTHING:
         return "nothing"
     if share >= _ALL:
@@ -101,7 +101,7 @@ def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...
 
 
 def damping_name(order: int) -> str:
-    """Return what the damping coefficient of an order is called."""
+    """Name the damping coefficient of an order."""
     names = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")
     return names[order] if order < len(names) else f"damping mu_{order}"
 

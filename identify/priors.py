@@ -1,4 +1,4 @@
-"""What is believed before a recording is seen: every constant that turns evidence into a verdict.
+"""The priors, assumed before a recording is seen: every constant that turns evidence into a verdict.
 
 Half and twice each value, on the rigs and on drawn recordings: `docs/decisions/one-evidence.md`.
 """

@@ -60,7 +60,7 @@ class Summarised:
     """A result that prints its summary, in a terminal and in a notebook, instead of all that it holds."""
 
     def brief(self) -> Summary:
-        """Return what is worth reading first."""
+        """Summarize the result for reading."""
         raise NotImplementedError
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""What libraries say beside the way: a warning or a log entry is one harmless line, without paths and tracebacks."""
+"""Warnings and log entries of libraries: each becomes one harmless line, without paths and tracebacks."""
 
 import logging
 import warnings

@@ -26,7 +26,7 @@ class _Section(BaseModel):
 
 
 class Specimen(_Section):
-    """What hangs on the springs, and who tests it."""
+    """The specimen on the springs, and the operator."""
 
     operator: str = ""
     name: str = ""

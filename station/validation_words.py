@@ -1,4 +1,4 @@
-"""What a library's refusal of a value means, in a clause for the person who gave it."""
+"""A library's refusal of a value in plain words, for the person who gave the value."""
 
 import re
 from typing import Any

@@ -1,4 +1,4 @@
-"""What goes into a file: the samples on one clock, their names and units, and where they come from."""
+"""The contents of an exported file: the samples on one clock, their names and units, and their source."""
 
 import re
 from dataclasses import dataclass, field

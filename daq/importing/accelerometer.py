@@ -24,7 +24,7 @@ _AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|g|f|v)?([xyz])(?: .*)?")
 
 
 def has_gravity(values: Array) -> bool:
-    """Return whether the numbers, in m/s^2, swing about plus or minus the acceleration of gravity."""
+    """Check whether the numbers, in m/s^2, swing about plus or minus the acceleration of gravity."""
     finite = values[np.isfinite(values)]
     return bool(len(finite)) and abs(abs(float(np.median(finite))) / STANDARD_GRAVITY - 1.0) < WITHIN
 

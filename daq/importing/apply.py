@@ -102,7 +102,7 @@ def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
 
 
 def fits(table: Table, recipe: Recipe) -> bool:
-    """Return whether a recipe lists the columns of a table, neither more nor fewer (all, or those with a role of many), and
+    """Check whether a recipe lists the columns of a table, neither more nor fewer (all, or those with a role of many), and
     the file states the same units.
     """
     try:

@@ -14,7 +14,7 @@ from daq.recording import Array
 ROUND = 0.03
 """A radius that is constant to 3 % is that of a pendulum."""
 
-SMALLEST_ARC = 0.02  # rad, rms: below it a circle cannot be told from a line
+SMALLEST_ARC = 0.02  # rad, rms: below it a circle is not distinguishable from a line
 LARGE_ARC = 0.1  # rad, rms: 8 degrees of swing, whose sagitta is a hundredth of the length
 CLOSE = 0.003
 """So closely, as a share of the radius, an arc is kept that is found without being asked for: a third of that sagitta."""

@@ -39,14 +39,14 @@ def _finite(column: SourceColumn) -> Array:
 
 
 def _swing(column: SourceColumn) -> float:
-    """Return how far a column swings about its median, 0 where it jumps by a turn in radians."""
+    """Return the swing of a column about its median, 0 where it jumps by a turn in radians."""
     finite = _finite(column)
     jumps = np.max(np.abs(np.diff(finite)), initial=0.0) > 0.9 * TURN and np.max(np.abs(finite)) < 1.1 * TURN
     return 0.0 if jumps else float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
 
 
 def is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
-    """Return whether channels without a unit are angles: an option's unit decides, else the headers."""
+    """Check whether channels without a unit are angles: an option's unit decides, else the headers."""
     asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
     known = [unit for unit in asked if unit is not None and unit.quantity is not None]
     return any(unit.angular for unit in known) if known else any(c.said.angular for c in choices.values())

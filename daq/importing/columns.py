@@ -1,4 +1,4 @@
-"""What a header says: a quantity, in the words of several languages, and a unit."""
+"""The meaning of a header: a quantity, in the words of several languages, and a unit."""
 
 import re
 import unicodedata

@@ -111,7 +111,7 @@ def with_stamps(table: Table, options: ImportOptions) -> Table:
 
 
 def _are_steps(column: SourceColumn) -> bool:
-    """Return whether a column's numbers, after the first, are positive and nearly alike, and no times."""
+    """Check whether a column's numbers, after the first, are positive and nearly alike, and no times."""
     values, steps = column.values, column.values[1:]
     if column.bad is not None or column.clock or len(values) < FEWEST_VALUES or not np.isfinite(values).all():
         return False

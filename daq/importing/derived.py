@@ -44,7 +44,7 @@ def find_derivation(
     stamps: Array | None = None,
     steps: tuple[Array, Array] | None = None,
 ) -> Derivation | None:
-    """Return how `channel` was computed as the derivative of that `order` of `source`, or None if it was not.
+    """Find out whether `channel` was computed as the derivative of that `order` of `source`; None if it was not.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
     a logger divides by its own time steps. `steps`, of shape (n,) each, are the steps to which the numbers of source
@@ -118,7 +118,7 @@ def _by_kernel(
 
 
 def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:
-    """Return how far, relatively, a difference is from the true derivative at the strongest frequency."""
+    """Return the relative error of a difference as a derivative at the strongest frequency."""
     omega = 2.0 * np.pi * _frequency(values)
     shifts = np.arange(len(kernel)) - len(kernel) // 2
     response = complex(np.sum(kernel * np.exp(1j * omega * shifts)))
@@ -141,7 +141,7 @@ def _noise(values: Array) -> float:
 
 
 def _is_noisy(values: Array, step: float) -> bool:
-    """Return whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
+    """Check whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
     motion = float(np.std(values)) * (2.0 * np.sin(np.pi * _frequency(values))) ** NOISE_ORDER / NOISE_SCALE
     return bool(_noise(values) > 3.0 * max(step / np.sqrt(12.0), motion))
 

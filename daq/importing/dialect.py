@@ -69,7 +69,7 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     except UnicodeError:
         if name is not None:
             raise problem(
-                path, f"begins as {name} text but does not go on so", "save it again as text"
+                path, f"begins as {name} text but does not continue as such", "save it again as text"
             ) from None
         lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
     if (
@@ -109,7 +109,7 @@ def split(line: str, delimiter: str) -> list[str]:
 
 
 def is_comment(line: str) -> bool:
-    """Return whether a line is a remark."""
+    """Check whether a line is a remark."""
     return line.lstrip().startswith(COMMENTS)
 
 
@@ -126,7 +126,7 @@ def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
 
 
 def _counted(line: str, delimiter: str, decimal: str) -> tuple[int, int, int]:
-    """Return how many cells a line has, and how many of them are numbers or neither numbers nor empty."""
+    """Count the cells of a line, those that are numbers, and those that are neither numbers nor empty."""
     if is_comment(line) or not line.strip():
         return 0, 0, 0
     cells = split(line, delimiter)
@@ -166,7 +166,7 @@ def _sample(lines: Sequence[str]) -> list[int]:
 
 
 def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Dialect:
-    """Return how the lines are to be cut, by trying every way and keeping the one that leaves most numbers.
+    """Choose the way to cut the lines: try every way and keep the one that gives most numbers.
 
     Raises ImportProblem when there are no rows of numbers.
     """

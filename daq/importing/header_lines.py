@@ -65,7 +65,7 @@ def _cells_of(line: str, dialect: Dialect, width: int) -> list[str]:
 
 
 def _says(cells: Sequence[str]) -> int:
-    """Return how many different quantities the cells of a line name."""
+    """Count the different quantities that the cells of a line name."""
     return len({meaning(cell).quantity for cell in cells} - {None})
 
 
@@ -83,7 +83,7 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:
-    """Return whether cells can be names of the columns: enough of them, and none but the first a number."""
+    """Check whether cells can be names of the columns: enough of them, and none but the first a number."""
     named = [i for i, cell in enumerate(cells) if cell and cell.lower() not in REMARKS]
     if not named or named[-1] >= width or any(_is_number(cell) for cell in cells[1:]):
         return False
@@ -100,7 +100,7 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _is_unit_row(cells: Sequence[str]) -> bool:
-    """Return whether every cell is a unit, in brackets or bare, one at least; the first may say what the row holds."""
+    """Check whether every cell is a unit, in brackets or bare, one at least; the first may say what the row holds."""
     bare = [cell.strip("()[] ") for cell in cells]
     known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
     bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)

@@ -46,7 +46,7 @@ class _Found:
 
 
 def is_json(data: bytes) -> bool:
-    """Return whether the bytes begin as a JSON object or a list of rows."""
+    """Check whether the bytes begin as a JSON object or a list of rows."""
     head = data[:200].lstrip(b"\xef\xbb\xbf \t\r\n")
     return head[:1] == b"{" or bool(re.match(rb"\[\s*[\[{]", head))
 

@@ -125,7 +125,7 @@ def _unpack(packed: memoryview, room: int, numbers: int, file: _File) -> bytes:
 
 
 def _promised(head: bytes, file: _File) -> int:
-    """Return how many numbers the array promises whose first bytes these are; 0 where it is no array of numbers."""
+    """Count the numbers that an array with these first bytes promises; 0 where it is no array of numbers."""
     flags, shape = np.frombuffer(head[16:20], f"{file.order}u4")[0] & 0xFF, head[24:]
     if flags not in NUMERIC:
         return 0

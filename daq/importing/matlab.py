@@ -36,7 +36,7 @@ PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_tim
 
 
 def is_matlab(data: bytes) -> bool:
-    """Return whether these bytes begin a MATLAB file of any version."""
+    """Check whether these bytes begin a MATLAB file of any version."""
     if data[124:128] in (b"\x00\x01IM", b"\x01\x00MI"):
         return True
     return data.startswith((b"MATLAB", HDF5)) or data[512:520] == HDF5 or _is_version_4(data)

@@ -1,4 +1,4 @@
-"""What the operator says about a file that the file does not say itself."""
+"""The operator's statements about a file, where the file itself does not say."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

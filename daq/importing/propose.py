@@ -1,4 +1,4 @@
-"""What is found out about a file: a recipe, a sentence on each guess, and what nothing says."""
+"""The proposal for a file: a recipe, a sentence on each guess, and the questions that the file leaves open."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

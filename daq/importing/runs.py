@@ -55,7 +55,7 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
 
 
 def _names_its_time(table: Table, options: ImportOptions) -> bool:
-    """Return whether the operator chose the time column himself, so that nothing is left to be found."""
+    """Check whether the operator chose the time column himself, so that nothing is left to be found."""
     wanted = str(options.columns.get("time", "")).strip()
     return bool(wanted) and any(wanted in (c.label, str(c.number)) for c in table.columns)
 
@@ -138,7 +138,7 @@ def _motion_of(column: SourceColumn) -> str:
 
 
 def rises_evenly(column: SourceColumn) -> bool:
-    """Return whether the numbers that are there rise all the way in steps that are nearly alike."""
+    """Check whether the numbers that are there rise all the way in steps that are nearly alike."""
     values = column.values[np.isfinite(column.values)]
     if column.bad is not None or len(values) < FEWEST_ROWS or not np.max(np.abs(values)) < 1e100:
         return False

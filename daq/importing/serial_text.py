@@ -87,7 +87,7 @@ def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:
 
 
 def _all_named(rows: Sequence[_Row | None]) -> bool:
-    """Return whether every number of a row has a label, or without any labels every one a unit."""
+    """Check whether every number of a row has a label, or without any labels every one a unit."""
     row = next(row for row in rows if row is not None)
     return all(row.labels) or (not any(row.labels) and all(row.units))
 

@@ -8,7 +8,7 @@ LARGEST = 1e100
 
 
 def is_measurable(values: Array) -> bool:
-    """Return whether there are numbers, and all of a size whose squares can be summed."""
+    """Check whether there are numbers, and all of a size whose squares can be summed."""
     finite = values[np.isfinite(values)]
     return len(finite) > 0 and bool(np.max(np.abs(finite)) < LARGEST)
 

@@ -312,7 +312,7 @@ def _in_order(
 
 
 def _fits_better(time: Array, same: Index) -> bool:
-    """Return whether the stamps are more even without the repetitions than with them."""
+    """Check whether the stamps are more even without the repetitions than with them."""
     keep = np.ones(len(time), dtype=bool)
     keep[same] = False
     left = time[keep]

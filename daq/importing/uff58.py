@@ -27,7 +27,7 @@ NO_TEXT = ("", "none", "null")
 
 
 def is_uff(data: bytes) -> bool:
-    """Return whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
+    """Check whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
     return re.match(rb"(?:\s*-1[ \t]*\r?\n)+\s*\d{1,5}[bB \t\r\n]", data[:400]) is not None
 
 

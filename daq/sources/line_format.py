@@ -90,7 +90,7 @@ def find_format(
     units: Mapping[str, str] | None = None,
     rate_hz: float | None = None,
 ) -> LineFormat:
-    """Return what the lines mean.
+    """Decide the meaning of the lines.
 
     `columns` maps time, counter, displacement, velocity, acceleration, force to a column's name or number ("none"
     leaves it out), and "unused" to one that is none of them, `units` a quantity to its unit or its scale with a unit
@@ -258,6 +258,6 @@ def _stamps(
 
 
 def _counts(values: Array) -> bool:
-    """Whether a column counts the lines: steps of one, but where it begins anew or lines were lost."""
+    """Check whether a column counts the lines: steps of one, but where it begins anew or lines were lost."""
     steps = np.diff(values)
     return bool(len(steps) > 8 and np.isfinite(values).all() and np.mean(steps == 1.0) > 0.9)

@@ -42,5 +42,5 @@ def load_profile(name: str, folder: Path) -> LineFormat:
     except (ValidationError, ValueError) as error:
         what = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
         raise SettingsError(
-            f"{file}: is no profile of lines ({what}); make it anew with `station profile`"
+            f"{file}: is no profile of lines ({what}); make it again with `station profile`"
         ) from error

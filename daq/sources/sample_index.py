@@ -11,21 +11,21 @@ _NEAR_THE_END = 0.9
 
 
 class CountedIndex:
-    """Indices from a counter that begins anew after 8, 16 or 32 bits."""
+    """Indices from a counter that wraps round after 8, 16 or 32 bits."""
 
     def __init__(self) -> None:
         self._last: int | None = None
         self.index = -1
 
     def next(self, counter: float) -> int:
-        """Return the index of the next line. Raises Rebooted where the counter begins anew in between."""
+        """Return the index of the next line. Raises Rebooted where the counter restarts in between."""
         now = round(counter)
         step = 1 if self._last is None else now - self._last
         if self._last is not None and step <= 0:
             wrap = next((w for w in WRAPS if _NEAR_THE_END * w <= self._last < w and now < w), None)
             if wrap is None:
                 raise Rebooted(
-                    f"the counter went from {self._last} to {now}: the board began anew; what came before is kept"
+                    f"the counter went from {self._last} to {now}: the board restarted; what came before is kept"
                 )
             step += wrap
         if step > MOST_LOST:
@@ -55,7 +55,7 @@ class StampedIndex:
         if stamp < self._last:
             if self._last < _NEAR_THE_END * self._wrap:
                 raise Rebooted(
-                    f"the time stamps go back from {self._last:g} s to {stamp:g} s: the board began anew; what came "
+                    f"the time stamps go back from {self._last:g} s to {stamp:g} s: the board restarted; what came "
                     "before is kept"
                 )
             self._first -= self._wrap

@@ -225,7 +225,7 @@ class SourceBoard:
 
 
 def _even(times_us: Array, rate: float) -> int:
-    """Return how many of these samples one time stands for: those whose own, shape (n,), follow the first's evenly."""
+    """Count the samples that one time can describe: those whose own times, shape (n,), follow the first evenly."""
     late = (times_us - times_us[0]) * 1e-6 * rate - np.arange(len(times_us))
     odd = np.flatnonzero(~(np.abs(late) <= EVEN_SAMPLES))
     return max(int(odd[0]), 1) if len(odd) else len(times_us)

@@ -38,7 +38,7 @@ _NO_SPRING = 1e-6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Summarised):
-    """Where and by how much a model fails on one release.
+    """The places where a model fails on one release, and by how much.
 
     `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
     force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.

@@ -239,7 +239,7 @@ def _short(window: FitWindow, begin: int, end: int) -> FitWindow:
 def _readings(
     run: Response, window: FitWindow, lag: float, gain: float, values: dict[str, float]
 ) -> dict[str, Array]:
-    """Return what the sensors show of a run, before any fault of theirs: lag, gain and offsets applied."""
+    """Simulate the sensors' readings of a run without faults: lag, gain and offsets applied."""
     seen: dict[str, Array] = {}
     u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, window.rate)
     for channel in window.channels:

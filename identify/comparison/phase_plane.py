@@ -1,4 +1,4 @@
-"""The phase plane: what force the model lacks, in bins of displacement and velocity."""
+"""The phase plane: the force that the model lacks, in bins of displacement and velocity."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The extra force: how large a force of given pattern would explain what the tracked model leaves."""
+"""The extra force: the size of a force of given pattern that would explain the residual of the tracked model."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class ResidualForce:
 def estimate_extra_force(
     shooting: MultipleShooting, patterns: Array, faults: Array | None = None
 ) -> ResidualForce:
-    """Least squares of what the tracked model leaves on the response to patterns (n, patterns) of force.
+    """Fit the residual of the tracked model by its response to patterns (n, patterns) of force (least squares).
 
     `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
     The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which
@@ -82,7 +82,7 @@ def respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
 def respond_in(
     shooting: MultipleShooting, segment: Segment, patterns: Array, until: int
 ) -> tuple[Array, Array]:
-    """Return what forces (samples of the stretch, patterns) do from its beginning on.
+    """Compute the response to forces (samples of the stretch, patterns) from its beginning on.
 
     The whitened change of the readings (rows of the stretch, patterns), and the change of displacement and velocity
     at sample `until`, in natural sizes, (2, patterns).
@@ -104,7 +104,7 @@ def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patt
 
 
 def read_change(shooting: MultipleShooting, x: Array, v: Array, a: Array) -> dict[str, Array]:
-    """Return what the sensors show of a small change of displacement, velocity and acceleration."""
+    """Return the change of the readings by a small change of displacement, velocity and acceleration."""
     lag = shooting.lag
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,

@@ -1,4 +1,4 @@
-"""A line in what the tracked model leaves: a frequency that is not the motion's own."""
+"""A line in the residual of the tracked model: a frequency that is not the motion's own."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Whether releases share their physics: the usual model on each alone, with errors that hold for what it misses.
+"""Whether releases share their physics: the usual model fitted to each alone, with errors that include its misfit.
 
 A joint diagnosis begins from the assumption that stiffness and friction are the same in every release. This looks at it
 in a fraction of a second, before anything is searched for.
@@ -84,7 +84,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class SharedPhysics:
-    """What each release says alone, and in what the others differ from the first."""
+    """The values of each release alone, and the differences of the others from the first."""
 
     own: tuple[OwnPhysics, ...]
     differences: tuple[Difference, ...]
@@ -99,7 +99,7 @@ class SharedPhysics:
 
 
 def shared_physics(decays: Sequence[PreparedDecay]) -> SharedPhysics:
-    """Return whether releases share their physics, as far as the usual model can say; each is fitted alone.
+    """Compare the physics of releases, by the usual model fitted to each alone.
 
     Raises NotIdentifiable where a release holds too little to fit anything.
     """

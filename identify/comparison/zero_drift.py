@@ -18,7 +18,7 @@ _BINS = 7
 
 @dataclass(frozen=True)
 class ZeroDrift:
-    """How far the zero of the acceleration moves (m/s^2, from its lowest to its highest), in standard errors."""
+    """The drift of the acceleration's zero: its range (m/s^2), and the same in standard errors."""
 
     size: float
     significance: float

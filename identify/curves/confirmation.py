@@ -48,7 +48,7 @@ class ConfirmedEffect:
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """What curves confirm.
+    """The effects that curves confirm.
 
     `effects` in the order in which they were taken. `usual` and `found` are the errors of the model as given and with
     the effects, for each part that was left out; `one_record` says that these are parts of a record, not releases.
@@ -73,7 +73,7 @@ class Confirmation:
         return {one.explains: one.names for one in self.asked if one.verdict != "named"}
 
     def has_law(self, name: str) -> bool:
-        """Whether the curves can show an effect at all."""
+        """Check whether the curves can show an effect at all."""
         return name in self.laws
 
     @property

@@ -125,7 +125,7 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
 
 
 def _has_free_state(problem: Problem, term: Term) -> bool:
-    """Whether a force has a state at the start that is unknown and without bounds."""
+    """Check whether a force has a state at the start that is unknown and without bounds."""
     return any(
         u.id.role == "state" and u.id.effect == term.effect.name and np.isinf(u.high)
         for u in problem.unknowns

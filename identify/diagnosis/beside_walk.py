@@ -57,7 +57,7 @@ def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
 
 
 def _laws(problem: Problem, theta: Array) -> list[Array]:
-    """Return how the misfit changes with the polynomials of each law, each as large as the spring at the largest amplitude.
+    """Return the change of the misfit by each law's polynomials, each as large as the spring at the largest amplitude.
 
     (readings, orders) each; one law holds for all releases.
     """

@@ -61,7 +61,7 @@ _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_mi
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(Summarised):
-    """What a model lacks.
+    """The result of a diagnosis: what a model lacks.
 
     `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `together`
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in

@@ -71,7 +71,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     if enough and not more and (far or not nameless):
         return _no_more(found, releases, chosen, limits)
     if releases >= MOST:
-        return Guidance("given_up", f"{MOST} releases have not settled it.", None, chosen)
+        return Guidance("given_up", f"{MOST} releases have not decided it.", None, chosen)
     if chosen is None or not more:
         words = "Another release must confirm it: the largest amplitude shows most."
         return Guidance("go_on", words, _largest(found, limits), chosen)

@@ -34,7 +34,7 @@ _FREE_FORM = 24
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What may be true: the effects beyond the model that was asked about, fitted; `log_odds` are relative, nats.
+    """A hypothesis: the effects beyond the diagnosed model, fitted; `log_odds` are relative, nats.
 
     `shape` is the law without a name that acts beside the fit, `walk` a random walk of spring and damper that does; None
     elsewhere. `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
@@ -65,7 +65,7 @@ class Hypothesis:
         return self.shape is None and self.walk is None
 
     def contains(self, other: "Hypothesis") -> bool:
-        """Whether another is this one with something left out or its exponent held, so that it can follow all it does."""
+        """Check whether another is this one with something left out or its exponent held, so that this can follow it."""
         held = (family.members for family in FAMILIES if family.effect.name in self.names)
         return set(other.fit.model.names) <= set(self.fit.model.names).union(*held)
 
@@ -206,7 +206,7 @@ def _swapped(
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
     """Make a suspect a hypothesis; the inner parameters of a law of time stay within the range of its name.
 
-    Beyond it another effect is the better name for the same force: what settles in hours drifts.
+    Beyond it the same force has another name: a stiffness that settles in hours drifts.
     """
     name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
     if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):
@@ -230,7 +230,7 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
 
 
 def _recorded(decay: PreparedDecay) -> float:
-    """Return how long a release was recorded (s), of which the part that moves is fitted."""
+    """Return the recorded time of a release (s), of which the moving part is fitted."""
     share = decay.use.share if decay.use is not None else 1.0
     return len(decay.window) / decay.window.rate / max(share, 0.05)
 
@@ -244,7 +244,7 @@ def _hides(suspect: Suspect) -> bool:
 def _as_judged(
     one: Hypothesis, weighed: Sequence[Hypothesis], named: tuple[str, ...], rivals: Sequence[str]
 ) -> Hypothesis:
-    """Return a hypothesis with odds that agree with the verdict, which knows more: the curves of the decay.
+    """Set the odds of a hypothesis to agree with the verdict, which also knows the curves of the decay.
 
     A rival of what is named is no farther behind it than what is not distinguishable, all else together no nearer.
     """

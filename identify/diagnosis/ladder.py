@@ -190,5 +190,5 @@ def _name_corrected_fault(step: Step, effect: Effect) -> Step:
 
 
 def step_of(baseline: Baseline) -> Step:
-    """Return a fitted model as a step, with its errors."""
+    """Make a step of a fitted model, with its errors."""
     return Step("", "", baseline, errors_of(baseline))

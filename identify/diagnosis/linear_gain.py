@@ -45,7 +45,7 @@ def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, floa
 
 
 def _line_of_release(base: Fit, term: Term, start: dict[str, float], i: int) -> dict[str, float]:
-    """Return the values of a line of the frequency of `start` as the residual of release i shows it."""
+    """Fit a line of the frequency of `start` to the residual of release i."""
     window = base.windows[i]
     units = {p.unit: p.name for p in term.effect.parameters}
     used = window.used[term.channel]
@@ -93,7 +93,7 @@ def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) 
     motion = prepared.motion
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     force = force_along(term, inner_values(term, inner), *along)
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion diverges
         rms = float(np.sqrt(np.mean(force**2)))
     return _PRESENT * float(np.sqrt(np.mean(motion.acceleration**2))) / rms if 0.0 < rms < np.inf else None
 
@@ -129,7 +129,7 @@ class Slope:
         return cls(base, base.problem, *base.linearised)
 
     def free_of_known(self, columns: Array) -> Array:
-        """Return what the model's own parameters cannot follow of columns (n, m)."""
+        """Remove from columns (n, m) the part that the model's own parameters can follow."""
         return self.jacobian.free(columns)
 
 

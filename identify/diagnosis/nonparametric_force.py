@@ -47,7 +47,7 @@ _FEWEST_HELD = 60
 
 @dataclass(frozen=True, eq=False)
 class NonparametricForce:
-    """What the free form explains of a model's misfit in the acceleration.
+    """The part of a model's misfit in the acceleration that the free form explains.
 
     `before` and `after` are the misfit's mean squares in units of the noise, on readings held out by whole cycles;
     `shapes` the missing force along each coordinate, the one that explains most first; `coordinates` those that the

@@ -33,7 +33,7 @@ _NOTHING = 1e-12
 
 @dataclass(frozen=True)
 class EffectShare:
-    """What one effect does over a cycle, with standard errors.
+    """One effect over a cycle, with standard errors.
 
     `force` is its largest force (N or N m with a mass, whose own error is left out, else per unit mass), `force_percent`
     that in % of the largest of all forces but the linear spring's together; the largest lie at different places of a

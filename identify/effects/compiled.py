@@ -55,13 +55,13 @@ def _address(function: Any, signature: Any) -> int:
 
 @lru_cache(maxsize=256)
 def address_of_force(function: Any) -> int:
-    """Return where a compiled force lies in memory; 0 for None. It stays where it is, and is looked up once."""
+    """Return the address of a compiled force; 0 for None. The address does not change and is looked up once."""
     return _address(function, _FORCE)
 
 
 @lru_cache(maxsize=256)
 def address_of_rates(function: Any) -> int:
-    """Return where a compiled rate lies in memory; 0 for None."""
+    """Return the address of a compiled rate; 0 for None."""
     return _address(function, _RATES)
 
 

@@ -58,7 +58,7 @@ class Scales:
 
 
 def near_harmonic(line: float, scales: Scales) -> bool:
-    """Whether a line (Hz) lies so near zero, the motion's frequency or a harmonic that a nonlinear force makes it too."""
+    """Check whether a line (Hz) lies so near zero or a harmonic of the motion that a nonlinear force may make it."""
     fundamental = scales.frequency / (2.0 * pi)
     order = round(line / fundamental)
     width = max(0.5 / scales.duration, 0.015 * order * fundamental)
@@ -70,10 +70,10 @@ class Effect(ABC):
     """One cause of misfit: a force (`ForceEffect`), or a fault of a sensor (`SensorFault`).
 
     `variants` are alternatives (inner values that are held, or the channel at fault) that are tried each and of
-    which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
-    misfit. `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
+    which the best counts. `plausible(values, scales)` is False where its values make it the same force as another effect.
+    `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
     frequency and a phase that are free: chance offers it every peak of a periodogram. Of effects that a record does not
-    tell apart the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect `of_time` moves
+    distinguish the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect `of_time` moves
     with the clock, not with the motion. An effect that `shows_detection_limit` is quoted, with the strength that would
     have been seen, where nothing is missing.
     """
@@ -137,7 +137,7 @@ class Effect(ABC):
         return [p.name for p in self.parameters].index(parameter)
 
     def has_meaning_for(self, unit: str) -> bool:
-        """Whether the effect can act on displacements in a unit."""
+        """Check whether the effect can act on displacements in a unit."""
         return not self.units or unit in self.units
 
 

@@ -99,7 +99,7 @@ BOUC_WEN = Family(
         equilibrium_state=lambda u, p: share_of_yield(u, float(p[1])),
         starts=_yield_starts,
         gives_way=lambda p: float(p[1] / p[2]),
-        symptom="a loop in the plane of displacement and force, whose corners are the sharper the larger n",
+        symptom="a loop in the plane of displacement and force; a larger n gives it sharper corners",
         confirming_test="move the mass slowly to and fro: the loop shows its corners",
         nonsmooth=True,
     ),

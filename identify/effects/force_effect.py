@@ -1,4 +1,4 @@
-"""A force per unit mass: what it is, and what it does along a given motion."""
+"""A force per unit mass: its definition, and its values along a given motion."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -127,7 +127,7 @@ class ForceEffect(Effect):
         return tuple(given + [0.0] * (PARAMETERS - len(given)))
 
     def state_sizes(self, amplitude: float, frequency: float) -> tuple[float, float]:
-        """Return how large the internal states are in a motion of an amplitude (m) and angular frequency (rad/s)."""
+        """Return the sizes of the internal states in a motion of an amplitude (m) and angular frequency (rad/s)."""
         return (1.0, 1.0) if isfinite(self.largest_state) else (amplitude, amplitude * frequency)
 
     def states_at_rest(self, u: float, p: Numbers | Array) -> tuple[float, float]:
@@ -193,7 +193,7 @@ class ForceEffect(Effect):
 
 
 def _values_along(function: Any, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
-    """Return what a compiled function gives along a motion, (n,); zeros for None."""
+    """Evaluate a compiled function along a motion, (n,); zeros for None."""
     if function is None:
         return np.zeros(len(u))
     return cast(Array, values_along(address_of_force(function), time, u, v, states, p))

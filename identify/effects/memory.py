@@ -140,7 +140,7 @@ def _fine_line_starts(scales: Scales) -> Starts:
 
 
 def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
-    """Whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
+    """Check whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
 
     Tuned to the motion, as a damper is, it splits the motion's line by the root of the ratio of masses (Den Hartog 1934):
     that shows where it is more than either line is wide, by a beat at least within the record.
@@ -184,7 +184,7 @@ SECOND_MASS = ForceEffect(
     fine_starts=_fine_line_starts,
     reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
-    symptom="a second line that starts at the release and dies by itself; beats; another mode of the rig reads the same",
+    symptom="a second line that starts at the release and decays on its own; beats; another mode of the rig looks the same",
     confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),
 )

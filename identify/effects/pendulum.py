@@ -18,7 +18,7 @@ pendulum over, and a cubic spring says the same."""
 
 
 def _is_gravity(values: dict[str, float], scales: Scales) -> bool:
-    """Whether gravity is a share of the whole stiffness about rest that it can have.
+    """Check whether gravity is a share of the whole stiffness about rest that it can have.
 
     A swing of amplitude A (rad) has less stiffness than there is about rest: gravity alone has 2 J1(A)/A of it, the first
     Fourier coefficient of sin(A cos x) over A, which is a half at 130 degrees and a quarter at 160.

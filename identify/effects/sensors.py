@@ -124,7 +124,7 @@ AC_COUPLING = SensorFault(
     ),
     seems_lag=lambda start, scales: 2.0 * pi * start[0] / scales.frequency**2,
     variants=_BOTH,
-    symptom="one channel leads in phase, the more the slower the motion, and forgets its mean",
+    symptom="one channel leads in phase, more at low frequency, and its mean returns to zero",
     confirming_test="hold the mass off its zero: the reading creeps back",
     confusable_with=("channel_lag", "maxwell_element", "viscous_damping"),
 )
@@ -197,7 +197,7 @@ SENSOR_BANDWIDTH = SensorFault(
     seems_lag=lambda start, scales: -atan(scales.frequency / (2.0 * pi * start[0])) / scales.frequency,
     needs_other_channel=True,
     variants=_BOTH,
-    symptom="one channel rounds off what is sudden in the other; of a slow motion it is late and a little small",
+    symptom="one channel smooths what is sudden in the other; it follows slow motion late and a little too small",
     confirming_test="tap the mass: the sensor's answer is longer than the other's",
     confusable_with=("channel_lag", "channel_gain", "dahl_friction"),
 )

@@ -20,7 +20,7 @@ TIME_VARYING_STIFFNESS = ForceEffect(
     parameters=(Parameter("rate", "1/s", "relative change of the stiffness per second since the release"),),
     shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
     force=_time_varying,
-    symptom="the frequency moves with time, not with amplitude",
+    symptom="the frequency changes with time, not with amplitude",
     confirming_test="a second release at a quarter of the amplitude: the drift with time is the same",
     confusable_with=("settling_stiffness", "cubic_stiffness", "freeplay"),
 )
@@ -52,7 +52,7 @@ SETTLING_STIFFNESS = ForceEffect(
     starts=_settling_starts,
     reach=lambda scales: tuple((share * scales.duration,) for share in _TIMES),
     plausible=lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
-    symptom="the frequency moves with time and comes to a halt, whatever the amplitude",
+    symptom="the frequency changes with time and then settles, at any amplitude",
     confirming_test="a second release soon after the first: the frequency begins where the first one ended",
     confusable_with=("time_varying_stiffness", "cubic_stiffness", "freeplay"),
 )

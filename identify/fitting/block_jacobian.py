@@ -93,7 +93,7 @@ class BlockJacobian:
             yield i, self.blocks[i][row]
 
     def column(self, j: int) -> Array:
-        """Return how all readings change with unknown j, (readings,)."""
+        """Return the column of unknown j over all readings, (readings,)."""
         full = np.zeros(len(self))
         rows = self.rows
         for i, values in self.of_unknown(j):
@@ -101,7 +101,7 @@ class BlockJacobian:
         return full
 
     def change(self, step: Array) -> Array:
-        """Return how the misfit changes by a small step of the unknowns, (readings,)."""
+        """Return the change of the misfit by a small step of the unknowns, (readings,)."""
         return np.concatenate([step[at] @ block for at, block in zip(self.places, self.blocks, strict=True)])
 
     def gradient(self, misfit: Array) -> Array:

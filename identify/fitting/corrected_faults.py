@@ -74,7 +74,7 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
         if gain is None or not np.isfinite(gain.std) or not gain.std > 0.0:
             continue
         variance = gain.std**2 * max(fit.reduced, 1.0)
-        if not np.isfinite(variance):  # the motion ran away
+        if not np.isfinite(variance):  # the motion diverged
             continue
         errors.append(gain.value - 1.0)
         variances.append(variance)

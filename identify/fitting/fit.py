@@ -25,7 +25,7 @@ FAR_OFF = 30.0
 """Reduced chi-square from which on a model is far from the readings: its motion need not be followed to the noise."""
 
 _ROUNDS = 3
-"""How often priors of single releases are weighed anew by what is left, and all is fitted again."""
+"""How often the priors of single releases are scaled to the residual again, and all is fitted again."""
 
 _COLLINEAR = 1e-13
 """Eigenvalue of the unknowns' scaled normal equations below which rounding hides what the readings say of them."""

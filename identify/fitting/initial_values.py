@@ -94,7 +94,7 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
     for i, term in enumerate(model.forces):
         low[i], high[i] = term.effect.strength.low, term.effect.strength.high
     size = np.linalg.norm(design, axis=0)
-    if not len(design) or not np.isfinite(size).all():  # nothing moves, or a state ran away
+    if not len(design) or not np.isfinite(size).all():  # nothing moves, or a state diverged
         return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
     size[size == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))

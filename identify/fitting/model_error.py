@@ -15,7 +15,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 
 @dataclass(frozen=True)
 class ModelError:
-    """How far a model is from the measurement.
+    """The errors of a model against the measurement.
 
     `force_mse_percent` is eq. (18) on the measured acceleration, `motion_percent` the free-run misfit of the
     displacement (or the first channel there is) in percent of its rms over `horizon_s`, `chi_square` the reduced

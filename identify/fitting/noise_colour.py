@@ -147,7 +147,7 @@ def _lines(fit: Fit, i: int, channel: str) -> dict[float, float]:
 
 
 def _stands_off(f: float, own: float) -> bool:
-    """Whether a line (Hz) lies above a motion's own frequency (Hz) and off its harmonics."""
+    """Check whether a line (Hz) lies above a motion's own frequency (Hz) and off its harmonics."""
     return f > _ABOVE * own and (f > _HIGHEST * own or abs(f / own - round(f / own)) > _OFF_HARMONICS)
 
 

@@ -47,7 +47,7 @@ def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[Fit
 
 
 def shares_of(varies: frozenset[str]) -> tuple[float, float]:
-    """Return how far spring (relative) and damper (mean losses) may differ where some things were changed on purpose."""
+    """Return the range of spring (relative) and damper (mean losses) where some things were changed on purpose."""
     spring = _BY_FREQUENCY if "inertia" in varies else STIFFNESS_VARIES
     return (
         _ANYTHING if "stiffness" in varies else spring,

@@ -124,7 +124,7 @@ def _bounded(
 ) -> tuple[dict[str, float], frozenset[str]]:
     """Return starting values by name, and the names that are held: the physics that has values.
 
-    The states at the start are drawn in where the motion runs away from where it was measured to begin.
+    The states at the start are drawn in where the motion diverges from where it was measured to begin.
     """
     still = frozenset(u.name for u in problem.unknowns if u.window < 0 and u.name in held)
     starts = {problem.unknowns[at].name for places in problem.layout.releases for at in places.start}

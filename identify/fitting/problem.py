@@ -80,7 +80,7 @@ class Problem:
         return np.array([values.get(unknown.name, 0.0) for unknown in self.unknowns])
 
     def sizes(self, theta: Array) -> Array:
-        """Return the natural size of each unknown; inner parameters are as large as they are."""
+        """Return the natural size of each unknown; that of an inner parameter is its value."""
         tiny = 1e-3 * np.abs(theta)
         size = np.where(self.size > 0.0, self.size, np.maximum(np.abs(theta), tiny))
         return np.where(size > 0.0, size, 1.0)
@@ -231,7 +231,7 @@ class Problem:
                 values = values * theta[places.gain]
             predicted[channel] = values
         for term, at in places.faults:
-            with np.errstate(all="ignore"):  # a motion that ran away is inf, and stays so
+            with np.errstate(all="ignore"):  # a motion that diverged is inf, and stays so
                 predicted[term.channel] = term.fault.observe(window.clock, predicted[term.channel], theta[at])
         for channel, place in places.offsets.items():
             predicted[channel] = predicted[channel] + theta[place]

@@ -136,7 +136,7 @@ def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> l
 
     whole = change(np.sum(forces, axis=0), _PROBE)
     size = float(np.sqrt(np.mean(whole**2)))
-    if not 0.0 < size < np.inf:  # the motion runs away
+    if not 0.0 < size < np.inf:  # the motion diverges
         return [np.zeros_like(base) for _ in forces]
     step = _PROBE * _MOVED / size
     found = []

@@ -1,4 +1,4 @@
-"""Equivalent linearisation: what an effect does to the decay and to the frequency, at every amplitude.
+"""Equivalent linearisation: the damping and the change of frequency by an effect, at every amplitude.
 
 Along a harmonic motion u = A cos(w t) a small force f changes the amplitude as A' = -c_eq A / 2 and the frequency by
 dw2 = change of w^2, with (first-order averaging, Krylov and Bogoliubov 1937)

@@ -294,7 +294,7 @@ def _run(  # type: ignore[no-untyped-def]
 
 
 def substeps_for(frequency: float, rate: float, *, nonsmooth: bool, longer: float = 1.0) -> int:
-    """Return how many integration steps a sample needs for an angular frequency in rad/s at a rate in Hz.
+    """Count the integration steps a sample needs for an angular frequency in rad/s at a rate in Hz.
 
     Steps `longer` by a factor are for a motion that need not be followed to below the noise.
     """
@@ -320,7 +320,7 @@ def simulate(
 
     `linear` is (k 1/s^2, mu_1 1/s, mu_0 m/s^2); `table` (slots, 6) holds the parameters of the slots, `states`
     (slots, 2) their internal states at the start; `external` (samples,) a recorded force per unit mass. Displacement
-    and velocity are read at `lag` s before each sample. A motion that runs away is filled with inf.
+    and velocity are read at `lag` s before each sample. A motion that diverges is filled with inf.
     """
     dry = bool(linear[2] > 0.0 or system.has_friction)
     readings = np.empty((3, samples))

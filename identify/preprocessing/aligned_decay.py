@@ -35,7 +35,7 @@ class AlignedDecay(Summarised):
     decay: FreeDecay
 
     def brief(self) -> Summary:
-        """Return where the motion becomes free, the lag and the gain."""
+        """Summarize the release, the lag and the gain."""
         lines = [f"Released at {self.release.time_s:.4f} s ({self.release.kind}).", self.not_aligned]
         rows = () if self.alignment is None else self.alignment.brief().rows
         return Summary("Aligned decay", lines, ("quantity", "value"), rows)
@@ -66,7 +66,7 @@ def locate_and_align(decay: FreeDecay) -> AlignedDecay:
 
 
 def aligned(decay: FreeDecay | AlignedDecay) -> FreeDecay:
-    """Return what identification works on; a decay whose release was located already is taken as it is."""
+    """Locate the release of a decay and align its channels; a decay whose release was located already is kept."""
     if isinstance(decay, AlignedDecay):
         return decay.decay
     return decay if decay.release is not None else locate_and_align(decay).decay

@@ -42,7 +42,7 @@ SUDDEN = 0.03
 
 @dataclass(frozen=True, repr=False)
 class Alignment(Summarised):
-    """How the displacement (or velocity) channel stands to the acceleration channel.
+    """Lag and gain of the displacement (or velocity) channel relative to the acceleration channel.
 
     `lag` in s is positive when the displacement is late. `gain` is the acceleration's gain relative to
     the second derivative of the displacement (1 when the calibrations agree), dimensionless.

@@ -29,7 +29,7 @@ class Regression:
 
 
 def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
-    """Return where the velocity is known to differ from zero and its sign does not change nearby, shape (n,)."""
+    """Mark the samples where the velocity surely differs from zero and keeps its sign nearby, shape (n,)."""
     noise = motion.noise_velocity or 0.0
     speed = np.abs(motion.velocity)
     fast = speed > max(sigmas * noise, 0.02 * float(speed.max(initial=0.0)))
@@ -42,7 +42,7 @@ def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
 def regress(restoring: Array, columns: Array, used: Mask, noise: float = 1.0) -> Regression:
     """Least squares of the measured restoring force per unit mass (n,) on force columns (n, terms) and a constant."""
     design = np.column_stack([columns, np.ones(len(columns))])
-    if not np.isfinite(design[used]).all():  # a state that ran away
+    if not np.isfinite(design[used]).all():  # a state that diverged
         return Regression(np.zeros(columns.shape[1]), 0.0, restoring, np.inf, int(used.sum()))
     size = np.linalg.norm(design[used], axis=0)
     size[size == 0.0] = 1.0

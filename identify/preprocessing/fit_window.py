@@ -159,7 +159,7 @@ class FitWindow:
 
 
 def _slice_of(mask: Mask) -> slice | Mask:
-    """Return what picks the marked samples: a slice where they lie side by side, which copies nothing."""
+    """Make an index of the marked samples: a slice where they lie side by side, which copies nothing."""
     at = np.flatnonzero(mask)
     if len(at) and at[-1] - at[0] + 1 == len(at):
         return slice(int(at[0]), int(at[-1]) + 1)

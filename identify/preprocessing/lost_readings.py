@@ -47,7 +47,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
-    """Return how far each run of readings strays at most from the cubic through two on either side, (n - length - 3,)."""
+    """Return the largest distance of each run of readings from the cubic through two on either side, (n - length - 3,)."""
     windows = np.lib.stride_tricks.sliding_window_view(readings, length + 4)
     around = windows[:, [0, 1, -2, -1]]
     return np.asarray(np.abs(windows[:, 2:-2] - around @ _cubic(length)).max(axis=1))
@@ -66,7 +66,7 @@ def _cubic(length: int) -> Array:
 
 
 def _amplified(length: int) -> float:
-    """Return how far noise puts a run of readings off the cubic through its neighbours, over how far it puts one reading."""
+    """Return the scatter of a run of readings about the cubic through its neighbours, over that of one reading."""
     spread = [np.sqrt(1.0 + np.max(np.sum(_cubic(n) ** 2, axis=0))) for n in (length, 1)]
     return float(spread[0] / spread[1])
 

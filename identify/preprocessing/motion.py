@@ -158,7 +158,7 @@ def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
 
 
 def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool:
-    """Whether the noise that the usual smoothing leaves in the velocity would hide its sign for half of the motion."""
+    """Check whether the noise that the usual smoothing leaves in the velocity would hide its sign for half of the motion."""
     speed = 2.0 * np.pi * frequency * float(np.std(values))
     return 3.0 * _passed(noise, 5.0 * frequency / rate, rate, 1) > 0.5 * speed
 

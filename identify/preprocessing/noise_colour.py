@@ -92,7 +92,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class RestColour:
-    """What a channel's rest says of the colour of its noise.
+    """The colour of a channel's noise, estimated from its rest.
 
     `rate` (Hz) is the record's; `log_likelihood` (shapes, strengths) that of every colour, 0 for white noise; `left` are the
     readings without lines; `lines` stand in the rest; those of them that are part of the noise, since both channels have
@@ -107,7 +107,7 @@ class RestColour:
 
 
 def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
-    """Return what readings at rest (n,) say of their noise's colour; offset and steady drift are left out of it.
+    """Estimate the colour of the noise from readings at rest (n,), without offset and steady drift.
 
     None where there are too few, or where a converter's steps are all that they show.
     Lines are taken out first: under white noise, or, where it explains the rest better, under the best colour.

@@ -18,7 +18,7 @@ Beginning = Literal["displaced", "impulse"]
 
 
 class Onset(NamedTuple):
-    """Where free motion begins, and how.
+    """The beginning of free motion, and its kind.
 
     `place` (fractional sample) and `std` (samples) of the onset; amplitudes of the two ways to begin; the
     level held. `misfit` is the mean square left; `misfit_without` what one oscillation and a line leave of
@@ -55,7 +55,7 @@ def locate(
 
 
 def _blow_is_seen(values: Array, period: float, around: float, reach: float) -> bool:
-    """Whether the acceleration near the onset stands well above what the oscillation then reaches."""
+    """Check whether the acceleration near the onset stands well above what the oscillation then reaches."""
     first, last = int(max(around - reach, 0)), int(around + reach) + 2
     after = values[last : last + round(period)]
     if len(after) < 4 or last <= first:

@@ -40,7 +40,7 @@ def pre_release_motion(aligned: AlignedDecay, release: Release, zero: float) -> 
 
 
 def _was_read(aligned: AlignedDecay, samples: slice) -> bool:
-    """Whether the acceleration was read throughout, but for one reading: the release itself may look like a lost one."""
+    """Check that at most one acceleration reading was lost: the release itself may look like a lost one."""
     valid, lost = aligned.recorded.valid, aligned.lost.get("acceleration")
     return bool((valid is None or valid[samples].all()) and (lost is None or lost[samples].sum() <= 1))
 

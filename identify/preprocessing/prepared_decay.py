@@ -74,7 +74,7 @@ class PreparedDecay(Summarised):
     floor_std: float | None = None
 
     def brief(self) -> Summary:
-        """Return what will be fitted."""
+        """Summarize the record that will be fitted."""
         window = self.window
         cycles = len(window) / window.rate * self.frequency / (2.0 * np.pi)
         sentence = (
@@ -98,7 +98,7 @@ class PreparedDecay(Summarised):
 
     @cached_property
     def rest_colour(self) -> dict[str, RestColour]:
-        """What the rest says of the colour of each channel's noise."""
+        """The colour of each channel's noise, estimated from the rest."""
         if self.rest is None:
             return {}
         rate = (len(self.rest.time) - 1) / float(self.rest.time[-1] - self.rest.time[0])
@@ -178,7 +178,7 @@ def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
 
 
 def _no_spring(record: FreeDecay) -> str:
-    """Return why no stiffness is seen: against a second channel a sign may be wrong; one channel alone has but its noise."""
+    """Say why no stiffness is seen: with two channels a sign may be wrong; a single channel may hold only noise."""
     if len(record.channels) > 1:
         return "The motion shows no restoring force: is the displacement's sign reversed?"
     return (

@@ -1,4 +1,4 @@
-"""How much of a record is analysed, and why the analysis ends where it does."""
+"""The part of a record that is analysed, and why the analysis ends where it does."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -49,7 +49,7 @@ class RecordUse:
 def record_use(
     located: AlignedDecay, begin: float, end: float, cycle: float, *, to_the_end: bool
 ) -> RecordUse:
-    """Return how a record is used from `begin` to `end`, s since its release, of a motion whose cycle lasts `cycle` s.
+    """Describe the use of a record from `begin` to `end`, s since its release, of a motion whose cycle lasts `cycle` s.
 
     `to_the_end` says that the motion is followed as far as it was found, not only as far as it stands out.
     """

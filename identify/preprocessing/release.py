@@ -32,7 +32,7 @@ SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""
 
 BEAT_SHARE = 0.9
-"""What rises again to more than this share of what it was has been released anew: damping takes some of every beat."""
+"""A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
@@ -40,7 +40,7 @@ POINTS_PER_PERIOD = 48
 
 @dataclass(frozen=True)
 class Release:
-    """Where the motion becomes free.
+    """The release: the time from which the motion is free.
 
     `time_s` (sub-sample, from the first sample) and its standard error `std_s`; `index` is the first
     sample of free motion; `settle` is the first sample at which the hand has surely let go (use it as the start of
@@ -183,7 +183,7 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
 
 
 def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
-    """Return why a record has no burst: nothing stands above the noise, or what does is over at once."""
+    """Say why a record has no release: nothing stands above the noise, or the motion ends at once."""
     amplitude = running_amplitude(lead.values, max(4, round(period)))
     if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
         return (
@@ -239,7 +239,7 @@ def _release(
 
 
 def _letting_go(rate: float, period: float, channel: _Channel, onset: Onset | None) -> float:
-    """Return how many samples after the onset the motion is surely free.
+    """Count the samples after the onset until the motion is surely free.
 
     A hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most.
     Where 30 ms is more than half a period, a hand would show: a release that a switch describes, as a magnet or a

@@ -16,7 +16,7 @@ _MOST_OF_IT = 0.5
 
 
 def too_coarse(values: Array, rate: float, derivative: int) -> str:
-    """Return why a record that oscillates cannot be followed at its `rate` (Hz), in a sentence; "" where it can.
+    """Say why an oscillation cannot be followed at its `rate` (Hz); "" where it can.
 
     `values` (n,) are readings of the displacement or of one of its derivatives.
     """
@@ -68,7 +68,7 @@ def over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
 
 
 def first_gap(lost: Mask, start: int, period: float) -> int:
-    """Return where readings are first lost for so long that the motion across is not known; the end where they are not."""
+    """Find the first gap of readings so long that the motion across it is not known; the end where there is none."""
     gaps = (
         begin for begin, end in runs_of(lost) if begin > start + period and end - begin >= LONG_GAP * period
     )

@@ -43,7 +43,7 @@ _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RestoringForceResult(Summarised):
-    """What the restoring force surface says.
+    """The result of the restoring force surface.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
     i = 0..`order` (0 is sgn v); `stiffness_by_order` every displacement order that was kept; `offset` the

@@ -1,4 +1,4 @@
-"""Averaging over a cycle: what a damping and a stiffness do to amplitude and frequency, eqs. (3)-(5)."""
+"""Averaging over a cycle: the effect of damping and stiffness on amplitude and frequency, eqs. (3)-(5)."""
 
 from math import gamma, pi, sqrt
 

@@ -1,4 +1,4 @@
-"""The spread of parameters: what noise does to them, and what a misfit adds."""
+"""The covariance of parameters: from noise, and from a misfit."""
 
 import numpy as np
 

@@ -37,7 +37,7 @@ def integrate(values: Array, rate: float, excess: Array | None = None) -> Array:
 
 
 def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Slow:
-    """Return what drifts under an oscillation at `frequency` (Hz), found beside the oscillation, not by filtering it.
+    """Estimate the drift under an oscillation at `frequency` (Hz), by a fit of both, not by filtering.
 
     Least squares of `values` on splines of one knot in two periods, together with the same splines times cosine
     and sine. The oscillation has its own terms, so neither its start nor its decay leaks into the slow part:

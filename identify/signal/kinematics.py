@@ -1,4 +1,4 @@
-"""Kinematics: what two channels of one motion say of each other, whatever the forces are.
+"""Kinematics: the relation of two channels of one motion, whatever the forces are.
 
 With u the lower channel (displacement, or velocity) and a the higher one (acceleration), the samples obey
     N a = g H u + N d + noise,

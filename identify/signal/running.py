@@ -33,6 +33,6 @@ def running_median(values: Array, width: int) -> Array:
 
 
 def runs_of(mask: Mask) -> list[tuple[int, int]]:
-    """Return where each run of marked samples begins, and one past its end."""
+    """Return the first sample of each run of marked samples, and one past its end."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return [(int(first), int(stop)) for first, stop in edges.reshape(-1, 2)]

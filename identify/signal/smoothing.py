@@ -35,7 +35,7 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
 
 
 def gain_of(corner: float, fraction: Array) -> Array:
-    """Return what `smooth` with a corner leaves of an oscillation of each frequency, both in cycles per sample."""
+    """Return the gain of `smooth` with a corner at each frequency, both in cycles per sample."""
     ratio = np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.5))
     return np.asarray(1.0 / (1.0 + ratio**8))
 

@@ -142,7 +142,7 @@ def factor_of(band: Array) -> Array:
 
 
 def is_positive(band: Array) -> bool:
-    """Return whether a banded covariance has a Cholesky factor."""
+    """Check whether a banded covariance has a Cholesky factor."""
     try:
         factor_of(band)
     except np.linalg.LinAlgError:

@@ -1,4 +1,4 @@
-"""The envelope and the phase of a decay, fitted by what averaging says of them, eqs. (9)-(12)."""
+"""The envelope and the phase of a decay, fitted by the averaged equations (9)-(12)."""
 
 from dataclasses import dataclass
 

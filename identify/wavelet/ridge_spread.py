@@ -1,4 +1,4 @@
-"""The spread of what the ridge says: the channel's noise carried through the transform, and the misfit."""
+"""The covariance of the ridge's values: the channel's noise carried through the transform, and the misfit."""
 
 from collections.abc import Sequence
 
@@ -34,7 +34,7 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
 def clearances_of(
     observed: Observed, fit: RidgeFit, trials: Sequence[EnvelopeFit | PhaseFit], *, phase: bool
 ) -> list[float]:
-    """Return how many standard errors the highest damping of each trial, or stiffness where of the `phase`, is from zero."""
+    """Count the standard errors between zero and each trial's highest damping, or stiffness where of the `phase`."""
     gains = np.stack([trial.gain[-1] for trial in trials])
     measured, spread = fit.envelope, np.sqrt(observed.variance)
     on_points = gains * _turn(observed, fit)

@@ -45,7 +45,7 @@ _TRUSTED = 0.9  # share of the window that must hold samples
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WaveletResult(Summarised):
-    """What the envelope and the instantaneous frequency say.
+    """The result from the envelope and the instantaneous frequency.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
     i = 0..`order`; `stiffness_by_order` the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5).
@@ -121,7 +121,7 @@ def _with_orders(
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
-    which the motion would run away, or that no rounds settle, are not tried again: first those of stiffness,
+    which the motion would diverge, or that no rounds settle, are not tried again: first those of stiffness,
     then those of damping.
     """
     least, most = damping

@@ -1,4 +1,4 @@
-"""Control limits of an individuals chart: which values lie outside what the others do from one to the next."""
+"""Control limits of an individuals chart: which values scatter more than the others do from one to the next."""
 
 from dataclasses import dataclass
 

@@ -92,13 +92,13 @@ class DaskCrew:
         elif time.monotonic() - self._seen > self._patience:
             raise UsageProblem(
                 f"no worker is left at {self._address}; start some (dask worker {self._address}) and run the same "
-                "command again: what is done is kept"
+                "command again: finished sessions are kept"
             )
 
     def _gone(self) -> UsageProblem:
         return UsageProblem(
             f"the scheduler at {self._address} is gone; start it and its workers and run the same command again: "
-            "what is done is kept"
+            "finished sessions are kept"
         )
 
     @contextmanager

@@ -22,7 +22,7 @@ _FIELD = re.compile(r"\{([^{}:]*)(?::([^{}]*))?\}")
 
 
 class Names:
-    """What a file's name says: `{arm:d}P.txt` finds the number 60 in `60P.txt`.
+    """A pattern of file names: `{arm:d}P.txt` finds the number 60 in `60P.txt`.
 
     `:d` is a whole number, `:f` one that may have a point; both become conditions of the test. `{specimen}` and
     `{operator}` are text, `{}` is any. Raises UsageProblem where the pattern is none of this.

@@ -1,4 +1,4 @@
-"""What is known of each test besides its record: numbers from the sessions, and from a table of the operator's."""
+"""Facts about each test besides its record: numbers from the sessions, and from the operator's table."""
 
 import csv
 import io
@@ -22,7 +22,7 @@ class Known:
 
 
 def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
-    """Return what a table says of each session, by its name or that of its file, and notes on what could not be used.
+    """Read the operator's table: the facts of each session, by its name or its file's, and notes on unusable columns.
 
     The table is comma separated, or by semicolons or tabs, with a header; one column is `session` or `file`, another may be
     `date` (as 2026-03-01 or 2026-03-01T14:30), the others are numbers. Raises UsageProblem when it is none of this.

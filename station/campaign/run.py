@@ -1,4 +1,4 @@
-"""One run of a campaign: what is missing or changed is done and kept at once, what is kept is read."""
+"""One run of a campaign: missing or changed results are computed and kept at once, the others are read."""
 
 import time
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from station.settings import Settings
 
 
 class Observer(Protocol):
-    """Who is told how far a run is."""
+    """An observer of the progress of a run."""
 
     def kept(self, name: str) -> None:
         """A session had been done before."""
@@ -30,7 +30,7 @@ class Observer(Protocol):
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of every session."""
+    """The analysis that every session gets."""
 
     settings: Settings
     gain_percent: float | None = None
@@ -39,7 +39,7 @@ class Request:
 
 @dataclass
 class Run:
-    """What a run has come to: each source with its result, those without, and the time that it took."""
+    """The result of a run: each source with its result, those without one, and the time that it took."""
 
     results: list[tuple[Source, SessionResult]] = field(default_factory=list)
     failed: list[FailedSession] = field(default_factory=list)

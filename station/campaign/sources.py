@@ -61,13 +61,13 @@ def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[Source
 
 
 def is_folder_of_sessions(argument: str) -> bool:
-    """Whether an argument is a folder that holds sessions and is none."""
+    """Check whether an argument is a folder that holds sessions and is none."""
     folder = Path(argument)
     return folder.is_dir() and not (folder / INFO).exists() and not (folder / RAW).exists()
 
 
 def is_folder_of_files(argument: str) -> bool:
-    """Whether an argument is a folder that holds files and neither a session nor any of its own."""
+    """Check whether an argument is a folder that holds files and neither a session nor any of its own."""
     folder = Path(argument)
     if not is_folder_of_sessions(argument) or list_sessions(folder):
         return False

@@ -1,4 +1,4 @@
-"""What many sessions say together: every parameter's control chart, and its trends against all that is known."""
+"""Many sessions together: every parameter's control chart, and its trends against all known facts."""
 
 import math
 import re

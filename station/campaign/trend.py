@@ -1,4 +1,4 @@
-"""A trend: a straight line through values with errors, weighted by them and by what scatters besides."""
+"""A trend: a straight line through values, weighted by their errors and by the scatter between sessions."""
 
 from dataclasses import dataclass
 
@@ -60,7 +60,7 @@ def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
 
 
 def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:
-    """Find which values lie where a robust line, their own errors and the scatter of most would have them."""
+    """Find the values that lie near a robust line, within their errors and the usual scatter."""
     some = slice(None, None, -(-len(x) // MOST_PAIRED))
     slope = stats.theilslopes(y[some], x[some]).slope if np.ptp(x[some]) > 0.0 else 0.0
     rest = y - slope * x

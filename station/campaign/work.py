@@ -1,4 +1,4 @@
-"""What a worker does with one session; everything that it needs is sent to it."""
+"""The work on one session by a worker; everything that it needs is sent to it."""
 
 import time
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of one session: its result as JSON, or why there is none.
+    """The answer of a worker: a session's result as JSON, or why there is none.
 
     A `problem` of the session itself, such as too few cycles, is no problem here but part of the result: it would come
     again. This is one of the program or of the computer.

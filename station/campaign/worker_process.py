@@ -1,4 +1,4 @@
-"""How a worker's process begins: it is imported there before any numerics, which take their threads from the environment."""
+"""The start of a worker's process: imported before any numerics, which take their threads from the environment."""
 
 import multiprocessing
 import os

@@ -105,7 +105,7 @@ def command(
         document = campaign(sources, request, crew, kept, watch, known)
     except KeyboardInterrupt:
         watch.end()
-        progress("what is done is kept, and the same command goes on with the rest")
+        progress("finished sessions are kept, and the same command continues with the rest")
         raise
     watch.end()
     if as_json:

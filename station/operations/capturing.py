@@ -67,7 +67,7 @@ def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] |
 
 
 def _asked() -> Path | None:
-    """Ask the operator for a folder; None without an answer: what is in memory must not hang on one."""
+    """Ask the operator for a folder; None without an answer: the samples in memory must not depend on one."""
     try:
         answer = click.prompt(
             "another folder for the session (Enter: a temporary one)",

@@ -37,7 +37,7 @@ MOST_TAKES = 3
 
 
 class Watcher(Protocol):
-    """Who is told how a guided test goes on."""
+    """An observer of a guided test."""
 
     def asks(self, number: int, told: Guidance) -> None:
         """A release is wanted, for a reason."""
@@ -157,7 +157,7 @@ def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:
 
 
 def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
-    """Return what to do after a release that told nothing: the largest amplitude, once; then it is given up."""
+    """Decide what follows a release without a result: the largest amplitude, once; then the test is given up."""
     assert told.experiment is not None
     if abs(told.experiment.amplitude) >= 0.99 * limits.high:
         return Guidance("given_up", f"The largest release told nothing: {reason}")
@@ -170,7 +170,7 @@ def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
 
 
 def _gave(told: Guidance, before: Diagnosis | None, found: Diagnosis) -> dict[str, Any]:
-    """Return what a release was expected to tell between two hypotheses, and what it told; nothing where it was for none."""
+    """Return the evidence between two hypotheses that a release was expected to give, and gave; empty without these."""
     gave = None if before is None else what_it_gave(told, before, found)
     if gave is None or told.chosen is None:
         return {}

@@ -167,7 +167,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
 def refine_to_floor(
     refinement: Refinement, progress: Progress, found_so_far: Seen | None = None
 ) -> KeptLadder:
-    """Add what is missing until nothing is; each step is told to `progress`, and kept as soon as it is found.
+    """Add what is missing until nothing is; `progress` gets each step, which is kept as soon as it is found.
 
     `found_so_far` gets the kept ladder after each step, and the step in words.
     """
@@ -211,7 +211,7 @@ def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
         return ladder, "Each effect that was added is needed: without it the residual rises."
     steps = tuple(kept_step(step, ladder.top.model.expressions) for step in dropped)
     names = ", ".join(plain_name(step.removed) for step in dropped)
-    words = f"removed, because the residual hardly rises without: {names}"
+    words = f"removed, because without it the residual hardly rises: {names}"
     return _extended(refinement, steps, words), f"{words[:1].upper()}{words[1:]}."
 
 

@@ -84,7 +84,7 @@ def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, 
 
 
 def declared(names: Iterable[Sequence[str]]) -> frozenset[str]:
-    """Return what was changed on purpose, by several lists of names; UsageProblem for a name that is none of VARIES."""
+    """Read lists of what was changed on purpose; UsageProblem for a name that is none of VARIES."""
     found = frozenset(name.strip() for several in names for name in several)
     for name in sorted(found - set(VARIES)):
         raise UsageProblem(
@@ -100,5 +100,5 @@ def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...
         if window.channels != first.channels or window.unit != first.unit:
             raise UsageProblem(
                 f"{session.folder.name} has {', '.join(window.channels)} in {window.unit}, {sessions[0].folder.name} has "
-                f"{', '.join(first.channels)} in {first.unit}; diagnose together what was measured alike"
+                f"{', '.join(first.channels)} in {first.unit}; only sessions with the same channels and unit go together"
             )

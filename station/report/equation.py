@@ -52,7 +52,7 @@ def equation(found: Findings) -> Section:
 
 
 def caution(compared: Compared) -> str:
-    """Say why the standard errors cannot be taken at their word, or ""."""
+    """Say why the standard errors may be too small, or ""."""
     error = compared.error
     if error.chi_square <= 1.0 + FAR * error.floor_std:
         return ""
@@ -63,7 +63,7 @@ def caution(compared: Compared) -> str:
 
 
 def _right_side(fit: Fit) -> str:
-    """Write what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
+    """Write the right side of the equation of motion: zero, or a recorded force per unit mass."""
     return " = 0" if fit.windows[0].force is None else " = f(t)/m"
 
 

@@ -1,4 +1,4 @@
-"""The section of the comparison: how large the errors of the current model are, what they mean, and where it fails."""
+"""The section of the comparison: the errors of the current model, their meaning, and where it fails."""
 
 from station.report.findings import Findings
 from station.story.compared import Compared

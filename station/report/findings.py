@@ -1,4 +1,4 @@
-"""What a report is made of: all that is known of a session, and why the rest is left out."""
+"""The contents of a report: all results of a session, and why the others are left out."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -56,7 +56,7 @@ class Findings:
 def gather(
     session: Session, settings: Settings, mass: float | None, *, diagnose: bool, progress: Progress
 ) -> Findings:
-    """Return all that is known of a session; identifies and compares, and diagnoses on request.
+    """Collect all results of a session; identifies and compares, and diagnoses on request.
 
     `mass` (kg) replaces the session's. Raises DataLost when the session holds no sample; what else cannot be done is
     left out and says why.

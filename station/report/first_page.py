@@ -25,7 +25,7 @@ COVERS = (
 
 @dataclass(frozen=True, eq=False)
 class Explaining:
-    """The model that explains the record: which one it is, its fit, and what it leaves, in words."""
+    """The model that explains the record: its name, its fit, and its residual in words."""
 
     words: str
     fit: Fit
@@ -89,7 +89,7 @@ def mass_words(found: Findings) -> str:
 
 
 def explaining(found: Findings) -> Explaining | None:
-    """Choose the model that explains the record: the current one, else that which was identified; None without."""
+    """Choose the model that explains the record: the current one, else the identified one; None without."""
     current, adequate = found.compared, None
     if found.identification is not None:
         adequate = found.identification.adequacy

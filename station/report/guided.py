@@ -1,4 +1,4 @@
-"""What a guided test leaves: one report, and one campaign of all its releases."""
+"""The documents at the end of a guided test: one report, and one campaign of all its releases."""
 
 from daq.session import Session
 from daq.storage import write_whole

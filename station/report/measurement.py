@@ -132,7 +132,7 @@ def _release(found: Findings) -> list[tuple[str, str]]:
 
 
 def alignment(found: Findings) -> Section:
-    """Say by how much the channels were not simultaneous, and what that would have done."""
+    """State the lag between the channels, and the error that it would have caused."""
     result = found.identification
     parts: list[Part] = []
     if result is None or result.alignment is None:

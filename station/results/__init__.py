@@ -1,1 +1,1 @@
-"""What is kept: one typed document for each result."""
+"""The documents that are kept: one typed document for each result."""

@@ -11,7 +11,7 @@ NAME = "campaign.json"
 
 
 class SessionResult(Document):
-    """What was found in one session.
+    """The results of one session.
 
     `key` is a checksum of the session's content and of the settings; `seconds` is the worker's time; `reason` says why
     there is no parameter, "" where there is one. `parameters` are by "wavelet.K" or "effect.parameter"; the errors are

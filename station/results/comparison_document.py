@@ -68,7 +68,7 @@ class ComparisonDocument(Document):
 
 
 def comparison_document(compared: Compared) -> ComparisonDocument:
-    """Return a comparison as it is kept."""
+    """Make the document of a comparison."""
     found = compared.comparison
     fit = compared.baseline.stated(compared.baseline.fit)
     return ComparisonDocument.of(

@@ -1,4 +1,4 @@
-"""What curves confirm, as a document: the errors of prediction, part by part, and the effects that lower them."""
+"""The confirmation by curves as a document: the errors of prediction, part by part, and the effects that lower them."""
 
 from typing import Literal
 
@@ -50,7 +50,7 @@ class ConfirmedEffectDocument(Part):
 
 
 class ConfirmationDocument(Part):
-    """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
+    """The confirmed effects; `usual` and `found` are the errors of the model as given and with the effects.
 
     In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided`
     names by "frequency" or "loss" laws that explain it and that are not distinguishable. The amplitude of some release
@@ -69,7 +69,7 @@ class ConfirmationDocument(Part):
 
 
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
-    """Return a confirmation on some sessions as it is kept."""
+    """Make the document of a confirmation on some sessions."""
     names = _names(found, sessions)
     effects = [ConfirmedEffectDocument.of(one, title=one.term.effect.title) for one in found.effects]
     usual, with_effects = _errors(found.usual, names), _errors(found.found, names)

@@ -41,7 +41,7 @@ MORE_DATA = "Record at least eight seconds or ten cycles, from the largest ampli
 
 
 class DiagnosisDocument(Document):
-    """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
+    """The effect that a model lacks; `rivals` are suspects that this record does not distinguish from the named one.
 
     `confirmed` are those named effects that predict what they were not fitted to, `confirmation` how well, None where
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
@@ -49,9 +49,9 @@ class DiagnosisDocument(Document):
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
-    `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
+    `walk` is a random walk of spring and damper not distinguishable from the name, or that remains beside it; else None.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
-    `hypotheses` are what is left, the likeliest first; `next_release` would tell most between them, None where none can.
+    `hypotheses` are those still open, the likeliest first; `next_release` distinguishes them best, None where none can.
     `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
@@ -95,7 +95,7 @@ def diagnosis_document(
     expressions: tuple[str, ...] = (),
     left_out: tuple[LeftOut, ...] | None = None,
 ) -> DiagnosisDocument:
-    """Return a diagnosis of some sessions as it is kept.
+    """Make the document of a diagnosis of some sessions.
 
     `expressions` are the user's own effects; `left_out` are the errors of physics fitted to the other sessions, None
     with one session.
@@ -128,7 +128,7 @@ def diagnosis_document(
 
 
 def in_order(found: Diagnosis) -> list[Suspect]:
-    """Return the suspects as they are shown everywhere: what is named, then its rivals, then by what each leaves.
+    """Sort the suspects as every view shows them: the named ones, their rivals, then the others by their residual.
 
     Those with values that make no sense, as hum at the motion's own frequency, come last. Where curves were asked, what
     they predict decides, and the diagnosis' own order stays.
@@ -148,7 +148,7 @@ def in_order(found: Diagnosis) -> list[Suspect]:
 
 
 def refused_document(names: tuple[str, ...], model: Model, reason: str) -> DiagnosisDocument:
-    """Return the same document for sessions that hold too little to fit anything."""
+    """Make the document of a diagnosis for sessions that hold too little to fit anything."""
     return DiagnosisDocument.model_validate(
         {
             "format": 1,
@@ -165,7 +165,7 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
 
 
 def with_differences(document: DiagnosisDocument, shared: SharedPhysics) -> DiagnosisDocument:
-    """Return a diagnosis with what was found of its sessions before it: in what each, alone, differs from the first."""
+    """Add to a diagnosis how each session, alone, differs from the first."""
     differences = [
         DifferenceDocument.of(one, session=document.sessions[one.index]) for one in shared.differences
     ]
@@ -220,7 +220,7 @@ def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
 
 
 def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | None:
-    """Return a chosen release as it is kept; None where none was chosen."""
+    """Make the document of a chosen release; None where none was chosen."""
     if chosen is None:
         return None
     best = chosen.best

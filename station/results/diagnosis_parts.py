@@ -15,7 +15,7 @@ class ChannelFloor(ChannelNoise):
 
 
 class HarmonicsDocument(Part):
-    """Power of the residual at the motion's harmonics, relative to noise of the level between them, and its p-value."""
+    """Power of the residual at the motion's harmonics, relative to that expected from between them, and its p-value."""
 
     ratio: Number
     p_value: Number
@@ -83,7 +83,7 @@ class CurveDocument(Part):
 
 
 class ShapeDocument(Part):
-    """The free form of what has no name: the share of the rest that it explains, and its curves."""
+    """The free-form force without a name: the share of the residual that it explains, and its curves."""
 
     explained: float
     coordinates: list[str]
@@ -99,7 +99,7 @@ class HeldOutDocument(Part):
 
 
 class DifferenceDocument(Part):
-    """In what a session, alone, differs from the first: in % of its value, and in standard errors."""
+    """The difference of a session, alone, from the first: in % of the value, and in standard errors."""
 
     session: str
     parameter: str
@@ -142,7 +142,7 @@ class ModeDocument(Part):
 
 
 class HypothesisDocument(Part):
-    """What may be true: the effects beyond the model that was asked about, and the odds, 0 to 1 over all hypotheses."""
+    """A hypothesis: the effects beyond the model that was diagnosed, and the odds, 0 to 1 over all hypotheses."""
 
     names: list[str]
     title: str
@@ -150,7 +150,7 @@ class HypothesisDocument(Part):
 
 
 class NextReleaseDocument(Part):
-    """The release that is expected to tell most `between` two hypotheses, with the evidence expected of it, nats.
+    """The release that should distinguish two hypotheses (`between`) best, with the evidence expected of it, nats.
 
     `amplitude` is signed, in `unit`; of a `push` what it swings to. `scatter` is the standard deviation of that evidence.
     `longer` and `faster` are multiples of the record's length and rate; `rested` means some seconds of rest before.
@@ -171,7 +171,7 @@ class NextReleaseDocument(Part):
 
 
 class EffectShareDocument(Part):
-    """What one force does over a cycle: its largest force, its part of the loss, by how much it raises the frequency."""
+    """One force over a cycle: its largest value, its part of the loss, and by how much it raises the frequency."""
 
     effect: str
     force: EstimateDocument

@@ -1,4 +1,4 @@
-"""What all kept documents share: numbers that JSON can hold, a version, one way to read and one to write."""
+"""The base of all kept documents: numbers that JSON can hold, a version, one way to read and one to write."""
 
 import math
 from typing import Annotated, Any, Literal, Self, TypeVar
@@ -73,7 +73,7 @@ class ChannelNoise(Part):
 
 
 class Errors(Part):
-    """The three errors of a model, or what noise alone leaves of them; None where one is not finite."""
+    """The three errors of a model, or of noise alone; None where one is not finite."""
 
     force_mse_percent: Number = None
     motion_percent: Number = None
@@ -134,11 +134,11 @@ def write_document(session: Session, name: str, document: Document) -> None:
 
 
 def to_text(document: BaseModel) -> str:
-    """Return the text of a document as it is kept."""
+    """Write a document as the text of its file."""
     return document.model_dump_json(indent=2) + "\n"
 
 
 def seen(session: Session, name: str) -> str | None:
-    """Return the checksum of a result as it stands, readable or not; None where there is none."""
+    """Return the checksum of a result's file, readable or not; None where there is no file."""
     content = session.read_result(name, LARGEST)
     return None if content is None else digest(content)

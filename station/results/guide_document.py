@@ -1,4 +1,4 @@
-"""A guided test as a document: what was released and why, and what each release made of the odds."""
+"""A guided test as a document: what was released and why, and the odds after each release."""
 
 from pydantic import Field
 

@@ -74,7 +74,7 @@ class RestoringForceDocument(MethodDocument):
 
 
 class AdequacyDocument(Part):
-    """Whether the identified model explains its record: what it leaves, how the methods and the clock agree."""
+    """Whether the identified model explains its record: its residual, and how well methods and clock agree."""
 
     effects: list[str]
     chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
@@ -119,7 +119,7 @@ class IdentificationDocument(Document):
 def identification_document(
     name: str, result: Identification, options: Options | None = None
 ) -> IdentificationDocument:
-    """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
+    """Make the document of the identification of the session `name`; `options` are those that it was made with."""
     decay, release, rate = result.decay, result.release, result.decay.rate
     return IdentificationDocument.of(
         result,

@@ -34,7 +34,7 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
         if any(field.name for field in recipe.fields) or _is_in_doubt(file):
             return Look(table, Proposal(recipe, {})), (
                 f"read by the recipe that was confirmed for {place.parent.name}, whose columns and units are the same "
-                f"({place}); --recipe none reads the file anew"
+                f"({place}); --recipe none reads the file without it"
             )
     return look_at(file), ""
 

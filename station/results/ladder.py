@@ -1,4 +1,4 @@
-"""The ladder as it is kept in a session: every step with its model, so that each can be gone back to."""
+"""The ladder of a session as a document: every step with its model, so that one can go back to it."""
 
 from typing import TYPE_CHECKING, Any, Self
 
@@ -85,7 +85,7 @@ class KeptLadder(Document):
 
 
 def kept_step(step: "Step", expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
-    """Return a step as it is kept; `begun_with` says of the first which model it is."""
+    """Make the document of a step; `begun_with` says of the first which model it is."""
     return KeptStep(
         added=step.added,
         removed=step.removed,
@@ -111,7 +111,7 @@ def read_ladder(session: Session) -> KeptLadder | None:
 
 
 def write_ladder(session: Session, ladder: KeptLadder) -> KeptLadder:
-    """Write results/ladder.json and the present model, results/model.json, as one change; return it as it is kept.
+    """Write results/ladder.json and the present model, results/model.json, as one change; return the ladder as written.
 
     SessionChanged when the ladder that it continues is another by now: nothing is written then.
     """

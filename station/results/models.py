@@ -26,7 +26,7 @@ class _Part(BaseModel):
 
 
 class Value(_Part):
-    """A parameter's value, its standard error (None where the record does not tell) and its unit."""
+    """A parameter's value, its standard error (None where the record does not determine it) and its unit."""
 
     value: float = Field(allow_inf_nan=False)
     std: float | None = Field(default=None, ge=0, allow_inf_nan=False)
@@ -74,7 +74,7 @@ class KnownModel:
 
 
 def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
-    """Return a fitted model as it is kept; `expressions` that it does not use are left out."""
+    """Make the file of a fitted model; `expressions` that it does not use are left out."""
     entries = tuple(
         EffectEntry(
             effect=term.effect.name,

@@ -34,7 +34,7 @@ FEWEST_SAMPLES = 32
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """What an import made: the sessions, one for each release, their recordings, and what was understood and guessed."""
+    """The result of an import: the sessions, one for each release, their recordings, and notes on what was guessed."""
 
     sessions: tuple[Session, ...]
     recordings: tuple[Recording, ...]
@@ -155,7 +155,7 @@ def _pieces(
         notes += [f"run {run.run}: {note}" if name and run is not runs[0] else note for note in own]
     if len(runs) > 1:
         notes.append(
-            f"{len(runs)} runs in the file: each becomes a session; what is not said of a run is as in the first"
+            f"{len(runs)} runs in the file: each becomes a session; a run without a note of its own was read like the first"
         )
     return pieces, tuple(notes)
 
@@ -192,7 +192,9 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
     """
     decay = free_decay(recording, Options())
     if decay.driven:
-        return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
+        return [recording], (
+            "a force drives the motion to the end: there is no free decay, so the file is one session",
+        )
     try:
         releases = find_releases(decay)
     except NotIdentifiable as refusal:
@@ -201,14 +203,15 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
         return ([recording], ()) if whole else _from_release(recording, decay, releases[0])
     if len(releases) > MOST_RELEASES:
         return [recording], (
-            f"{len(releases)} beginnings of a motion found, too many to be releases: one session",
+            f"{len(releases)} beginnings of a motion found, too many to be releases: the file is one session",
         )
     starts = [0, *(_begin(before, after) for before, after in pairwise(releases))]
     stops = [*starts[1:], recording.samples.shape[1]]
     pieces = [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)]
     if 2 * sum(dies_away(free_decay(piece, Options())) for piece in pieces) < len(pieces):
         return [recording], (
-            f"{len(releases)} beginnings of a motion found, most of which do not die away: driven, and so one session",
+            f"{len(releases)} beginnings of a motion found, most of which do not die away: the motion is driven, so the "
+            "file is one session",
         )
     return pieces, (f"{len(releases)} releases found: each becomes a session",)
 

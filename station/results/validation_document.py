@@ -10,7 +10,7 @@ NAME = "validation.json"
 
 
 class PredictionDocument(Part):
-    """What a model with held physics leaves of a session; null where the free run diverges.
+    """The residual of a session under held physics; null where the simulation diverges.
 
     `varied_percent` says by how much linear spring and damper were refitted, by parameter, in % of the squared frequency
     and of the mean loss of the session.
@@ -22,7 +22,7 @@ class PredictionDocument(Part):
 
 
 class ValidatedDocument(Part):
-    """One session: what the model and the usual one predict of it, and whether the model's is clearly better or worse."""
+    """One session: its prediction by the model and by the usual one, and whether the model's is clearly better or worse."""
 
     session: str
     model: PredictionDocument
@@ -39,7 +39,7 @@ class SkippedDocument(Part):
 
 
 class ValidationDocument(Document):
-    """What a model predicts of sessions that it was not fitted to, beside the usual model.
+    """The predictions of sessions by a model that was not fitted to them, and by the usual model.
 
     `source` is the file or session that the model is from and `fitted_to` the sessions that it was fitted to, as far as
     that is known; `usual_from` says where the usual model's values are from; `held` that linear spring and damper were
@@ -69,7 +69,7 @@ def validation_document(
     names: tuple[str, ...],
     skipped: dict[str, str],
 ) -> ValidationDocument:
-    """Return a validation as it is kept; `names` are those of the sessions predicted, `skipped` says why others were not."""
+    """Make the document of a validation; `names` are those of the sessions predicted, `skipped` says why others were not."""
     sessions = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
     why = [SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()]
     return ValidationDocument.of(

@@ -1,1 +1,1 @@
-"""The whole way from a recording to the results, in one readable place."""
+"""The whole analysis from a recording to the results, in one readable place."""

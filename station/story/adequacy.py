@@ -1,4 +1,4 @@
-"""Whether the model that was identified explains the record it was found in: said before any number is quoted."""
+"""Whether the identified model explains its own record: this decides whether its values may be quoted."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ GAIN_WORTH_SAYING = 2e-3
 
 @dataclass(frozen=True, eq=False)
 class Adequacy:
-    """The identified model as fitted to its own record, run freely from the release, and what it leaves.
+    """The identified model fitted to its own record and simulated from the release, with its residual.
 
     `chi_square` is the misfit over the noise (1 ± `chi_square_std` where nothing is left), `motion_percent` what it leaves
     of the motion, in % of its rms. `adequate` says whether the noise floor is reached. `apart` is the parameter in which
@@ -62,13 +62,13 @@ class Adequacy:
 
 
 def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
-    """Return the model that an identification stands for: the orders that either method needs; None without any."""
+    """Make the model of an identification, with the orders that either method needs; None without any."""
     found = [method for method in (wavelet, restoring_force) if method is not None]
     return model_of_orders(*needed_orders(found)) if found else None
 
 
 def needed_orders(methods: Sequence[Method]) -> tuple[int, tuple[int, ...]]:
-    """Return the order of damping and the orders of stiffness that one or the other method needs."""
+    """Return the order of damping and the orders of stiffness that either method needs."""
     stiffness = {
         order
         for method in methods
@@ -97,7 +97,7 @@ def recording_doubt(manifest: Manifest) -> str:
 def adequacy(
     prepared: PreparedDecay, model: Model, methods: Sequence[Method] = (), doubt: str = ""
 ) -> Adequacy:
-    """Fit the identified model to its record and say what it leaves; `methods` are held against each other."""
+    """Fit the identified model to its record and judge its residual; compare the `methods` with each other."""
     baseline = fit_baseline(segments_of(prepared), model)
     error = errors_of(baseline)
     apart, sigmas = farthest(methods)
@@ -114,13 +114,13 @@ def adequacy(
 
 
 def _doubt_of_clock(window: FitWindow) -> str:
-    """Say by how much the sampling rate may be off where that is too much to quote; "" where it was given as it is."""
+    """Say by how much the sampling rate may be off where that is too much to quote; "" where the rate is taken as exact."""
     share = (window.rate_std or 0.0) / window.rate
     return "" if share <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * share:.2g} %"
 
 
 def farthest(methods: Sequence[Method]) -> tuple[str, float]:
-    """Return in what two methods are farthest apart, and by how many standard errors; ("", 0) with fewer than two."""
+    """Find the parameter in which two methods differ most, in standard errors; ("", 0) with fewer than two methods."""
     if len(methods) < 2:
         return "", 0.0
     first, other = methods[0], methods[1]
@@ -141,7 +141,7 @@ def sigmas_apart(first: Estimate, other: Estimate) -> float:
 
 
 def judgement(found: Adequacy) -> str:
-    """Return in a sentence whether the values may be quoted."""
+    """Say whether the values may be quoted."""
     left = residual_words(found.motion_percent, found.chi_square)
     words = f"the identified model leaves {left} (noise alone: {floor_words(found.chi_square_std)})"
     if found.quotable:
@@ -152,7 +152,7 @@ def judgement(found: Adequacy) -> str:
 
 
 def scale_doubt(gain: Estimate) -> str:
-    """Say by how much forces are uncertain since the gains of the two channels differ; "" where they agree."""
+    """Say how uncertain forces are because the gains of the two channels differ; "" where they agree."""
     off = abs(gain.value - 1.0)
     if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
         return ""

@@ -1,4 +1,4 @@
-"""What the error of a quoted value is made of: readings and clock, calibration, mass; together after GUM."""
+"""The uncertainty budget of a quoted value: readings and clock, calibration, mass, and their total (GUM)."""
 
 import math
 import re
@@ -28,7 +28,7 @@ class Budget:
 def budget(
     one: EngineeringValue, calibration: float | None, mass_share: float | None, length: str = "m"
 ) -> Budget:
-    """Take the error of a value apart.
+    """Split the error of a value into its parts.
 
     `calibration` is the relative uncertainty of the sensors' scale, `mass_share` that of the mass, None where not stated.
     The scale of the sensors enters a value by the power of `length` ("m" or "rad") in its unit per unit mass: not at all

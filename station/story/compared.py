@@ -1,4 +1,4 @@
-"""A model as fitted to a session, and where it fails."""
+"""A model fitted to a session, and where it fails."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ class Compared:
 
     @property
     def one_run(self) -> str:
-        """What the model leaves of a long record run in one piece, and why that is more; "" for a short record."""
+        """The residual of a long record simulated in one piece, and why it is larger; "" for a short record."""
         if self.pieces < 2:
             return ""
         seen = self.comparison
@@ -50,7 +50,7 @@ class Compared:
 
     @property
     def motion_floor(self) -> float:
-        """What noise alone leaves of the motion, in % of its rms."""
+        """The residual of noise alone, in % of the rms of the motion."""
         channel, shares = self.comparison.motion_channel, []
         for window in self.judged.fit.windows:
             used = window.used[channel]

@@ -1,4 +1,4 @@
-"""What a test report quotes of a fitted model: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
+"""The values that a test report quotes: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
 
 import math
 from collections.abc import Mapping
@@ -66,7 +66,7 @@ def times_mass(
 
 @dataclass(frozen=True)
 class Weighing:
-    """What turns strengths per unit mass into N, kg and s: the mass in kg (kg m^2 for a displacement in rad)."""
+    """The mass in kg (kg m^2 for a displacement in rad), which converts strengths per unit mass to N, kg and s."""
 
     mass: float
     mass_std: float | None = None
@@ -86,7 +86,7 @@ class Weighing:
 def engineering_values(
     fit: Fit, mass: float | None, mass_std: float | None = None
 ) -> tuple[EngineeringValue, ...]:
-    """List what is quoted of a fit: strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
+    """List the quoted values of a fit: strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
 
     The frequency is that of the undamped spring, the damping ratio and the logarithmic decrement those of the viscous
     part: mu_1/(2 w) and 2 pi zeta/sqrt(1 - zeta^2), with w^2 the stiffness per unit mass.

@@ -22,7 +22,7 @@ FEWEST_PERIODS = 4.0
 
 
 def dies_away(decay: FreeDecay) -> bool:
-    """Whether the motion of a record, or of a piece of one, falls to the end; half the span of a period is its amplitude."""
+    """Check whether the motion of a record, or of a piece, falls to the end; half the span of a period is its amplitude."""
     found = _amplitudes(decay)
     return found is not None and not _goes_on(found[0], float(found[0].max()))
 
@@ -70,7 +70,7 @@ def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
 
 
 def _goes_on(amplitude: Array, largest: float) -> bool:
-    """Tell whether the motion does not die away."""
+    """Check whether the motion does not die away."""
     if not len(amplitude):
         return True
     end, before = float(amplitude[-1]), float(amplitude[2 * len(amplitude) // 3])

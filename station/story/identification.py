@@ -1,4 +1,4 @@
-"""What the pipeline found out about one release."""
+"""The result of the pipeline for one release."""
 
 from dataclasses import dataclass
 

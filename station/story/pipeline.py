@@ -1,4 +1,4 @@
-"""The whole way from a recording to the ladder, one function a step; each takes the values that the last one returned.
+"""The whole analysis from a recording to the ladder, one function a step; each takes the results of the last one.
 
 - `identify`: recording -> release, noise, alignment, wavelet, restoring force
 - `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
@@ -123,7 +123,7 @@ def _with_the_same_orders(
 
 
 def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
-    """Return an identification with the judgement on its own model; as it is where nothing was identified.
+    """Judge the model of an identification and add the judgement; nothing is added where nothing was identified.
 
     `doubt` is what the verdict on the recording holds against its values.
     """
@@ -174,7 +174,7 @@ def diagnose(
 ) -> "tuple[Diagnosis, tuple[LeftOut, ...] | None]":
     """Find out what a model lacks; with several releases also the error on each of what was found on the others.
 
-    `steps` is told each fit as it is counted, `progress` only what takes long.
+    `steps` gets each fit as it is counted, `progress` only the long steps.
     """
     from identify.diagnosis.diagnose import diagnose as diagnose_decays
 

@@ -1,4 +1,4 @@
-"""What a model leaves of a record, in one measure for people, and what a suspect would explain of it.
+"""The residual of a record in one measure for people, and the share of it that a suspect would explain.
 
 The measure is the residual in % of the motion, and its rms as a multiple of the noise: amplitudes, not powers.
 """
@@ -48,5 +48,5 @@ def explained_words(before: float | None, after: float | None, spread: float | N
 
 
 def reaches_floor(after: float | None, std: float | None) -> bool:
-    """Whether a reduced chi-square is the noise floor, `std` being its standard error."""
+    """Check whether a reduced chi-square is the noise floor, `std` being its standard error."""
     return after is not None and isfinite(after) and after <= 1.0 + 3.0 * (std or 0.0)

@@ -1,4 +1,4 @@
-"""A comparison as it is told: the residual, whether a sensor or physics is to blame, and where the model fails."""
+"""A comparison in words: the residual, whether a sensor or physics is to blame, and where the model fails."""
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def told(compared: Compared) -> Told:
 
 
 def errors(compared: Compared) -> Table:
-    """Make the table of the three errors, with what noise alone leaves of each and what each means."""
+    """Make the table of the three errors, with the value of noise alone and the meaning of each."""
     seen, error = compared.comparison, compared.error
     channel = f"the {seen.motion_channel}, a free run"
     rows = (

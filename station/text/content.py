@@ -1,4 +1,4 @@
-"""A result as it is told: a headline, and parts in plain text; terminal, page, viewer and report each only render them."""
+"""A result for people: a headline, and parts in plain text; terminal, page, viewer and report only render them."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -101,7 +101,7 @@ def facts(rows: Iterable[tuple[str, str]]) -> tuple[Facts, ...]:
 
 
 def left_out(reason: str) -> Paragraph:
-    """Write the paragraph that stands in place of a section."""
+    """Write the paragraph that replaces a section."""
     return Paragraph(f"Left out: {reason.rstrip('.')}.")
 
 

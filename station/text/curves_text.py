@@ -13,13 +13,13 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     words = [
         f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
         "a cycle or more; its band is two standard errors, from the scatter of its neighbours. The damping ratio is that of "
-        "the viscous damper that would take as much energy: each cycle loses 4π times that ratio of it. A linear spring "
-        "with viscous damping draws two level lines."
+        "a viscous damper with the same loss: each cycle loses 4π times this ratio of the energy. A linear spring "
+        "with viscous damping gives two level lines."
     ]
     if any(laid.curves for laid in found.laws):
         words.append(
-            "Thin line: the usual model, as it is fitted. Thick line: the model with what is named, "
-            "run freely and seen in the same way. Broken line: an effect that explains nearly as much."
+            "Thin line: the usual model, as it is fitted. Thick line: the model with the named effects, "
+            "simulated and evaluated in the same way. Broken line: an effect that explains nearly as much."
         )
         if many:
             words.append("Every line has the linear stiffness and viscous damping of its own release.")

@@ -1,4 +1,4 @@
-"""A diagnosis as it is told: the verdict, what each suspect leaves, what is not distinguishable, what to record next."""
+"""A diagnosis in words: the verdict, the residual with each suspect, which are not distinguishable, what to record next."""
 
 from identify.diagnosis.verdict import HEADLINES
 from identify.formatting import among, plain_name
@@ -58,7 +58,7 @@ def _first_sentence(text: str) -> str:
 
 
 def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: bool = False) -> Table:
-    """Make the table of what the model leaves, what it leaves with each suspect, in their order, and what noise leaves.
+    """Make the table of residuals: of the model, of the model with each suspect, in their order, and of noise alone.
 
     `full` adds the reason for which each is a suspect, and chi-square.
     """
@@ -167,7 +167,7 @@ def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
 
 
 def _not_shared(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    """Say in what sessions differ from the first: what each then has of its own, and what one model has to fit."""
+    """Say how sessions differ from the first: which values are their own, and which differences the one model must fit."""
     own = {one.parameter for one in document.of_sessions}
     found = []
     for is_own, what in ((True, "each has its own"), (False, "one model has to fit both")):
@@ -182,7 +182,7 @@ def _not_shared(document: DiagnosisDocument) -> list[tuple[str, str]]:
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    """List what is known beside the verdict."""
+    """List the facts beside the verdict."""
     found = [
         ("model", " + ".join(plain_name(name) for name in document.model.effects)),
         ("", document.model_remark),
@@ -219,7 +219,7 @@ def _of_effect(parameter: str) -> str:
 
 
 def found_in_sensor(finding: FindingDocument, *, advice: bool = False) -> str:
-    """Say what was found of a sensor's fault that every fit corrects, in a clause; with `advice` what to do about it."""
+    """Describe a sensor's fault that every fit corrects, in a clause; with `advice`, what to do about it."""
     where = f" in the {finding.channel}" if finding.channel else ""
     words = typeset(finding.words) or f"{finding.title}{where} ({', '.join(with_names(finding.parameters))})"
     return f"{words}; {finding.what_to_do}" if advice else words

@@ -21,9 +21,9 @@ BAR, NAME, SHOWN = 24, 27, 5
 ENDINGS: dict[State, tuple[str, Tone]] = {
     "confirmed": ("CONFIRMED", "good"),
     "nothing": ("NOTHING IS MISSING", "good"),
-    "no_name": ("NO NAME HERE", "bad"),
+    "no_name": ("SOMETHING IS MISSING, WITHOUT A NAME", "bad"),
     "alike": ("AS FAR AS THIS RIG CAN TELL", "unsure"),
-    "given_up": ("NOT SETTLED", "unsure"),
+    "given_up": ("NOT DECIDED", "unsure"),
     "go_on": ("STOPPED", "unsure"),
 }
 

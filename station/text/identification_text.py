@@ -1,4 +1,4 @@
-"""An identification as it is told: whether its values may be quoted, both methods side by side, and why."""
+"""An identification in words: whether its values may be quoted, both methods side by side, and why."""
 
 from identify.estimate import Estimate
 from identify.formatting import damping_name, plain_name
@@ -146,7 +146,7 @@ def reasons(result: Identification) -> list[tuple[str, str]]:
 
 
 def uncorrected(result: Identification) -> str:
-    """Say what the lag would have done to the restoring force's viscous damping, or ""."""
+    """State the error that the lag would have caused in the restoring force's viscous damping, or ""."""
     with_, without = result.restoring_force, result.without_alignment
     if with_ is None or without is None or len(with_.damping) < 2 or len(without.damping) < 2:
         return ""

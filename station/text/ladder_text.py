@@ -1,4 +1,4 @@
-"""The ladder as it is told: step by step what was added, the residual, what changed; the noise comes last."""
+"""The ladder in words: for each step the effect added, the residual and what changed; the noise comes last."""
 
 import math
 
@@ -24,7 +24,7 @@ def told(ladder: KeptLadder, weighing: Weighing | None = None) -> Told:
     above = len(ladder.steps) - 1 - ladder.present
     going = ""
     if above:
-        going = f"{above} step{'s' if above > 1 else ''}; `--to N` goes there, and adding an effect drops what is above"
+        going = f"{above} step{'s' if above > 1 else ''}; `--to N` goes there, and adding an effect drops the steps above"
     rows = [("changed" if not n else "", text) for n, text in enumerate(changed)]
     return Told(
         sentence(ladder.stopped_because) or "The residual, step by step",

@@ -1,4 +1,4 @@
-"""How a result is set in a terminal of 80 columns, and a clause as a sentence."""
+"""The layout of a result in a terminal of 80 columns, and a clause as a sentence."""
 
 from collections.abc import Iterable
 from pathlib import Path

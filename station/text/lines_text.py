@@ -1,4 +1,4 @@
-"""What a board's lines hold and what they mean, in a terminal."""
+"""The contents and the meaning of a board's lines, in a terminal."""
 
 import numpy as np
 from rich.console import Console

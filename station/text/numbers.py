@@ -1,4 +1,4 @@
-"""How numbers and units are written for people, in a terminal and, typeset, on a page."""
+"""Numbers and units for people, in a terminal and, typeset, on a page."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What each effect does at the largest and at the smallest amplitude, as a table."""
+"""The table of what each effect does at the largest and at the smallest amplitude."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""A validation as it is told: the verdict, then the errors of prediction session by session."""
+"""A validation in words: the verdict, then the errors of prediction session by session."""
 
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name
@@ -29,7 +29,7 @@ def told(document: ValidationDocument) -> Told:
 
 
 def predictions(document: ValidationDocument) -> Table:
-    """Make the table of what the usual model and this one predict of each session."""
+    """Make the table of the errors of prediction of each session, by the usual model and by this one."""
     rows, marks = [], []
     for one in document.sessions[:MOST_ROWS]:
         word = "better" if one.better else "worse" if one.worse else "alike"
@@ -53,12 +53,12 @@ def _refitted(document: ValidationDocument) -> str:
 
 
 def _most(found: list[PredictionDocument]) -> str:
-    """Say by how much the model's own were changed at most."""
+    """State the largest changes of the model's own spring and damper."""
     parts = []
     for name in dict.fromkeys(name for one in found for name in one.varied_percent):
         moved = max(abs(one.varied_percent.get(name) or 0.0) for one in found)
         parts.append(f"{name} by {moved:.2g} %")
-    return f" (changed at most: {', '.join(parts)})" if parts else ""
+    return f" (largest change: {', '.join(parts)})" if parts else ""
 
 
 def _left(value: float | None) -> str:

@@ -1,1 +1,1 @@
-"""What Rerun shows, one tab a file."""
+"""The tabs of the Rerun viewer, one a file."""

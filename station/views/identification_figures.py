@@ -72,7 +72,7 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
 
 
 def frequency_reach(found: WaveletResult) -> tuple[float, float]:
-    """Return what is shown of the instantaneous frequency, Hz: the middle where it can be trusted, and half the width."""
+    """Choose the range of the instantaneous frequency's axis, Hz: the middle of the trusted part, and half the width."""
     trusted = found.frequency[found.trusted]
     middle = float(np.median(trusted if len(trusted) else found.frequency))
     spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0

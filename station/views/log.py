@@ -1,4 +1,4 @@
-"""What a tab of the viewer is made of: each function logs its data and returns the view that shows them."""
+"""The parts of a viewer's tab: each function logs its data and returns the view that shows them."""
 
 from collections.abc import Callable, Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""What all tabs share: the workers, the sessions on offer, and those that are open."""
+"""The state that all tabs share: the workers, the list of sessions, and the open ones."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -54,7 +54,7 @@ class CapturePanel:
         ui.timer(TICK_S, self._tick)
 
     def busy(self) -> bool:
-        """Whether a capture is under way, in whichever tab."""
+        """Check whether a capture is under way, in whichever tab."""
         return self._state.capturing is not None and not self._state.capturing.now.finished
 
     def _known(self) -> list[str]:

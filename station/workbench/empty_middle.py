@@ -1,4 +1,4 @@
-"""What stands in the middle while there is nothing to show: a welcome, a wait, or why a record allows no analysis."""
+"""The middle of the page without a result: a welcome, a wait, or why a record allows no analysis."""
 
 from collections.abc import Callable
 

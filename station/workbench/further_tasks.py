@@ -1,4 +1,4 @@
-"""What a worker does beside the ladder: importing, export, report, viewer, revealing."""
+"""The tasks of a worker other than the ladder: import, export, report, viewer, revealing."""
 
 from pathlib import Path
 

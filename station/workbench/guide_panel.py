@@ -68,7 +68,7 @@ class GuideRun(CaptureObserver):
         self.now = replace(self.now, to_do=f"Release {number}: {to_do(told)}", why=told.words)
 
     def observer(self) -> CaptureObserver:
-        """Return what watches a capture."""
+        """Return the observer of a capture."""
         return self
 
     def state(self, name: str, detail: str) -> None:

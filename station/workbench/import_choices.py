@@ -1,4 +1,4 @@
-"""What a dropped file's columns are: its numbers, a small plot, and select boxes filled with what is proposed."""
+"""The columns of a dropped file: its numbers, a small plot, and select boxes with the proposed choices."""
 
 from collections.abc import Sequence
 from pathlib import Path

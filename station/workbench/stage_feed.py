@@ -1,4 +1,4 @@
-"""What a tab knows of a session's frames: each is sent once, and what changed with it."""
+"""The frames of a session that a tab has: each is sent once, with its changes."""
 
 import json
 from typing import Any

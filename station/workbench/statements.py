@@ -1,4 +1,4 @@
-"""What the page says of each model beside its picture: how much it leaves, and what a suspect would explain."""
+"""The statements beside a model's picture: its residual, and how much of it a suspect would explain."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What may be changed of a kept session: its name, its notes, what is known of the specimen; and the bin."""
+"""Changes to a kept session: its name, its notes, facts about the specimen; and the bin."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What a worker does for the ladder: each task calls what the commands call, and returns plain values.
+"""The tasks of a worker for the ladder: each calls the same functions as the commands, and returns plain values.
 
 A task is given the settings, what to call with words or with a part of what it finds, and the session's folder.
 """

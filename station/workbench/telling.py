@@ -1,4 +1,4 @@
-"""What the tabs of the page tell, in words, tables and pictures: as the commands and the report tell it."""
+"""The tabs of the page in words, tables and pictures: the same as in the commands and the report."""
 
 from collections.abc import Callable
 from contextlib import suppress

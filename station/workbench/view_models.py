@@ -1,4 +1,4 @@
-"""What the page shows of a session: plain values, ready to be drawn."""
+"""The view of a session for the page: plain values, ready to be drawn."""
 
 from dataclasses import dataclass, field
 from typing import Any

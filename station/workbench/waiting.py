@@ -1,4 +1,4 @@
-"""What runs, how far it is, and a way to stop it: a line that is seen only while something runs."""
+"""The running task, its progress, and a way to stop it: a line that is seen only while a task runs."""
 
 import asyncio
 from collections.abc import Callable

@@ -189,7 +189,7 @@ def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path, monkeypatch, capsys
     make_noise(tmp_path / "sessions" / "still")
     monkeypatch.setattr(local, "LocalCrew", lambda workers: Here(after=0))
     assert station(["campaign", str(tmp_path / "sessions")]) == 130
-    assert "the same command goes on with the rest" in capsys.readouterr().err
+    assert "the same command continues with the rest" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ def test_sessions_go_to_a_cluster_with_their_content_and_the_results_come_home(c
 def test_a_cluster_without_a_worker_left_is_one_sentence(cluster):
     cluster.scale(0)
     crew = DaskCrew(cluster.scheduler_address, slowly, patience=1.0)
-    with pytest.raises(UsageProblem, match=r"no worker is left at .*what is done is kept"):
+    with pytest.raises(UsageProblem, match=r"no worker is left at .*finished sessions are kept"):
         list(crew.performed([work_called("alone")]))
 
 

@@ -144,7 +144,7 @@ def _even(draft: Draft, draw: Draw) -> frozenset[str]:
 
 
 def _of_time(draft: Draft, draw: Draw) -> bool:
-    """Whether the force is another at another time, all else alike."""
+    """Check whether the force is another at another time, all else alike."""
     random = np.random.default_rng(6)
     p = draw(random)
     points = points_near(random, p)

@@ -15,7 +15,7 @@ _NEWTON_STEPS = 25
 
 
 def comes_to_rest(rates: Any, states: int, draw: Draw) -> bool:
-    """Whether the internal states of a mass that is held still settle by themselves, from the eigenvalues of their rates."""
+    """Check by the eigenvalues of their rates whether the internal states settle while the mass is held still."""
     random = np.random.default_rng(2)
     for _ in range(_DRAWS):
         u, *z = random.uniform(-0.1, 0.1, 3)
@@ -55,7 +55,7 @@ def _rates(rates: Any, states: int, u: float, z: Array, p: tuple[float, ...]) ->
 
 
 def _slopes(rates: Any, states: int, u: float, z: Array, p: tuple[float, ...]) -> Array:
-    """Return how the rates change with the states, (states, states)."""
+    """Differentiate the rates by the states, (states, states)."""
     slopes = np.empty((states, states))
     for j in range(states):
         step = np.zeros(2)

@@ -97,7 +97,7 @@ def parse_formula(text: str, *, before: int = 0) -> ast.expr:
 
 
 def _checked(node: ast.expr, first: int, depth: int) -> ast.expr:
-    """Build a tree anew from the kinds of nodes that are allowed; all numbers become floats, but whole powers."""
+    """Rebuild a tree from the kinds of nodes that are allowed; all numbers become floats, but whole powers."""
     at = first + node.col_offset
 
     def below(part: ast.expr) -> ast.expr:
@@ -167,12 +167,12 @@ def names_in(tree: ast.expr) -> list[ast.Name]:
 
 
 def is_sign(node: ast.AST) -> TypeGuard[ast.Call]:
-    """Whether a node is sgn(...)."""
+    """Check whether a node is sgn(...)."""
     return isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("sgn", "sign")
 
 
 def is_slip_direction(node: ast.AST) -> bool:
-    """Whether a node is sgn(v)."""
+    """Check whether a node is sgn(v)."""
     return is_sign(node) and getattr(node.args[0], "id", "") == "v"
 
 

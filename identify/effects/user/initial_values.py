@@ -1,4 +1,4 @@
-"""Where a fit of a user's own effect may begin: its parameters' units, and the sizes that the data show."""
+"""Starting values for a user's own effect: from its parameters' units, and the sizes in the data."""
 
 import re
 from dataclasses import dataclass

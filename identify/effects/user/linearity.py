@@ -1,4 +1,4 @@
-"""Proportion: which parameter of a force is its strength, and whether the others can be told from it."""
+"""Proportion: which parameter of a force is its strength, and whether the others are distinguishable from it."""
 
 from collections.abc import Callable
 from typing import Literal

@@ -58,7 +58,7 @@ class CurveForm:
         return f"{before}spline({self.over}, {self.low:.6g}, {self.high:.6g}, {self.unit})"
 
     def position(self, time: Array, u: Array, v: Array) -> Array:
-        """Return where along the curve a motion is, shape (n,)."""
+        """Return the position of a motion along the curve, shape (n,)."""
         return {"u": u, "v": v, "t": time, "abs(v)": np.abs(v)}[self.over]
 
     def basis(self, position: Array) -> Array:
@@ -69,7 +69,7 @@ class CurveForm:
         return np.asarray((np.maximum(2.0 - away, 0.0) ** 3 - 4.0 * np.maximum(1.0 - away, 0.0) ** 3) / 6.0)
 
     def along(self, time: Array, u: Array, v: Array) -> Array:
-        """Return what each coefficient adds to the force along a motion, shape (n, 6)."""
+        """Return the force of each coefficient along a motion, shape (n, 6)."""
         multiplied = {"": np.ones_like(u), "sgn(v)": np.sign(v), "u": u, "v": v}[self.factor]
         return np.asarray(self.basis(self.position(time, u, v)) * multiplied[:, None])
 

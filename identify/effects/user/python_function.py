@@ -60,7 +60,7 @@ def compiled(compile_it: Callable[..., Any], function: Callable[..., float]) -> 
 
 
 def reason_of(error: Exception) -> str:
-    """Return what numba says in its many lines: the first one with a reason, and the line of the source."""
+    """Shorten an error of numba: its first line with a reason, and the line of the source."""
     lines = [re.sub(r"\x1b\[\d+m", "", line).strip() for line in str(error).splitlines()]
     empty = ("Failed in", "During:", "[", "-", "Rejected", "There are", "- ")
     reasons = [line for line in lines if line and not line.startswith(empty)]
@@ -70,7 +70,7 @@ def reason_of(error: Exception) -> str:
 
 
 def along(function: Any, count: int, points: dict[str, Array], p: dict[str, float]) -> Array:
-    """Return what a compiled function gives at points (t, u, v, z0, z1), shape (n,)."""
+    """Evaluate a compiled function at points (t, u, v, z0, z1), shape (n,)."""
     values = (*p.values(), *[0.0] * (count - len(p)))
     rows = zip(*(points[n] for n in ("t", "u", "v", "z0", "z1")), strict=True)
     return np.array([function(t, u, v, (z0, z1), values) for t, u, v, z0, z1 in rows])

@@ -67,7 +67,7 @@ class _Reader:
 
 
 def read_setting(text: str, *, before: int) -> OwnSetting:
-    """Return what a setting says; ValueError, in a sentence with the place, when it cannot be read."""
+    """Read a setting; ValueError, in a sentence with the place, when it cannot be read."""
     reader = _Reader(text, before)
     at = {"name": reader.place}
     name = reader.read(_NAME, "a parameter")
