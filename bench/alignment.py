@@ -21,8 +21,8 @@ def run(quick: bool) -> str:
     samples = [_sample(seed) for seed in seeds]
     parts = (_lag_table(samples), _releases(samples))
     made = (
-        f"{len(samples)} simulated releases of 8 s at 256 Hz: from -2.5 to 2.5 cm, or pushed with 0.35 to 0.6 m/s; noise 5 um "
-        "and 0.01 m/s^2, 16 bits, lag +-3 ms, hand ideal or 1 to 12 ms, gain error +-1 %."
+        f"{len(samples)} simulated releases of 8 s at 256 Hz: from -2.5 to 2.5 cm, or pushed; noise 5 um "
+        "and 0.01 m/s^2, lag +-3 ms, hand up to 12 ms, gain error +-1 %."
     )
     return "\n\n".join((made, *parts))
 

@@ -74,11 +74,11 @@ def run(quick: bool) -> str:
         z = np.array(list(pool.map(scores, range(16 if quick else 80), chunksize=4)))
     medians = np.nanmedian(drops, axis=1)
     half = 100 * strength * np.sqrt(SEEN / np.maximum(medians, 1e-9))
-    least, most = (f"{EFFECTS[at]}, {half[at]:.2g} %" for at in (np.argmin(half), np.argmax(half)))
+    least, most = (f"{EFFECTS[at]}, {half[at]:.2g} %" for at in (np.nanargmin(half), np.nanargmax(half)))
     ratio = np.sqrt(np.mean(z**2, axis=0))
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
         f"The strength at which the usual model leaves {SEEN:.0f} of chi-square beyond the noise (20 mm, {seeds} seeds), median "
-        f"of {len(EFFECTS)} effects: {np.median(half):.2g} %; least: {least}; most: {most}."
+        f"of {len(EFFECTS)} effects: {np.nanmedian(half):.2g} %; least: {least}; most: {most}."
         f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records: {words} (wanted at most 1.2)."
     )

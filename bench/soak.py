@@ -85,14 +85,10 @@ def verified_in(count: int) -> float:
 def run(quick: bool) -> str:
     captures, sessions = (30, 500) if quick else (400, 10_000)
     states = soak(captures)
-    lines = ["| of the process | first | last | growth a capture |", "|---|---:|---:|---:|"]
     warm = states[min(WARM_UP, len(states) // 3) :]
-    for i, name in enumerate(("resident memory, MB", "threads", "open files")):
-        grown, std = slope(warm[:, i])
-        lines.append(f"| {name} | {warm[0, i]:.1f} | {warm[-1, i]:.1f} | {grown:+.4f} ± {std:.4f} |")
-    lines += [
-        "",
-        f"{captures} captures in one process; the first {min(WARM_UP, len(states) // 3)} are warm-up. `station verify` of {sessions} "
-        f"sessions of 9 s: {verified_in(sessions):.2f} s.",
-    ]
-    return "\n".join(lines)
+    (grown, std), first, last = slope(warm[:, 0]), warm[0], warm[-1]
+    return (
+        f"{captures} captures in one process, without the first {len(states) - len(warm)}: resident memory {first[0]:.1f} to {last[0]:.1f} "
+        f"MB, {grown:+.4f} ± {std:.4f} MB a capture; threads {first[1]:.0f} to {last[1]:.0f}, open files {first[2]:.0f} to {last[2]:.0f}."
+        f"\n\n`station verify` of {sessions} sessions of 9 s: {verified_in(sessions):.2f} s."
+    )
