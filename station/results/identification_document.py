@@ -54,6 +54,7 @@ class MethodDocument(Part):
     reason: str
     mse_percent_by_order: list[Number]
     stiffness_by_order: dict[str, EstimateDocument]
+    stiffness_per_mass: EstimateDocument
 
 
 class WaveletDocument(MethodDocument):
