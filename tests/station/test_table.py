@@ -54,6 +54,7 @@ def method(values):
     mu_0, mu_1, stiffness = values
     return {
         "order": 1, "reason": "", "mse_percent_by_order": [], "stiffness_by_order": {},
+        "stiffness_per_mass": value(614.0, "1/s^2"),
         "stiffness": value(stiffness, "N/m", 1.0), "damping": [value(mu_0, "m/s^2"), value(mu_1, "1/s", 0.002)],
     }  # fmt: skip
 
