@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from identify.arrays import Array
 from identify.curves.decay_curve import DecayCurve
 from identify.effects.effect import Scales
 from identify.effects.force_effect import ForceEffect
-from identify.fitting.initial_values import term_starts
+from identify.fitting.initial_values import starts_between
 from identify.model.equivalent_linearisation import Signature, average, mean_force
 from identify.model.model import Term
 
@@ -90,34 +89,21 @@ def laws_of(
     scales: Scales,
     grid: Array,
     duration: float,
-    *,
-    closer: bool = False,
 ) -> tuple[AveragedLaw, ...]:
-    """Average the laws of forces at all starting values of their inner parameters, leaving out those without a shape.
+    """Average the laws of forces at some values of their inner parameters, leaving out those without a shape.
 
-    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none, nor what is proportional. The inner
-    parameter of a force with memory is tried twice as densely where `closer`.
+    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none, nor what is proportional. The shape of
+    a force with memory depends most on its inner parameter, which is tried twice as densely.
     """
     laws = []
     for term in terms:
         if not isinstance(term.effect, ForceEffect) or term.effect.line or term.effect.proportional:
             continue
-        starts = term_starts(term, scales, fine=True)
-        for inner in _closer(starts) if closer and not term.effect.fading_memory else starts:
+        for inner in starts_between(term, scales, times=1 if term.effect.fading_memory else 2):
             law = law_of(term, inner, frequency, grid, duration)
             if not law.shapeless:
                 laws.append(law)
     return tuple(laws)
-
-
-def _closer(starts: tuple[dict[str, float], ...]) -> tuple[dict[str, float], ...]:
-    """Add the geometric means between neighbouring starting values of one positive parameter; keep others unchanged."""
-    if len(starts[0]) != 1:
-        return starts
-    (name,) = starts[0]
-    values = sorted(start[name] for start in starts)
-    means = [float(np.sqrt(low * high)) for low, high in pairwise(values)]
-    return tuple({name: value} for value in sorted((*values, *means)))
 
 
 def law_of(

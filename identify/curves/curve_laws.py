@@ -68,8 +68,7 @@ class CurveLaws:
         duration = max(float(curve.time[-1]) for curve in curves)
         grid = amplitude_grid(curves)
         base = tuple(law_of(term, inner_of(term, known), frequency, grid, duration) for term in model.forces)
-        closer = len(decays) > 1  # one curve alone is followed by any memory that may be chosen freely
-        laws = (*base, *laws_of(terms, frequency, scales, grid, duration, closer=closer))
+        laws = (*base, *laws_of(terms, frequency, scales, grid, duration))
         if decays[0].window.varies - {"damping"}:  # each release is at another frequency
             own = [float(np.median(curve.frequency)) for curve in curves]
             laws = tuple(

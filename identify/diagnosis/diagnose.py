@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 
 from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
@@ -73,8 +73,7 @@ class Diagnosis(Summarised):
     None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `walk` is a random walk of spring and damper that is not distinguishable from the name, or remains beside it; else None.
-    `hypotheses` are those still open, the likeliest first, and `next_release` would distinguish them best, None where
-    a release cannot.
+    `hypotheses` are those still open, the likeliest first.
     """
 
     baseline: Baseline
@@ -85,7 +84,6 @@ class Diagnosis(Summarised):
     final: Fit
     shape: NonparametricForce | None
     explanation: str
-    next_experiment: str
     library: tuple[Effect, ...] = field(default_factory=lambda: LIBRARY)
     confirmation: Confirmation | None = None
     decays: tuple[PreparedDecay, ...] = ()
@@ -96,7 +94,16 @@ class Diagnosis(Summarised):
     too_small: float = 0.0
     walk: RandomWalk | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
-    next_release: NextRelease | None = None
+
+    @cached_property
+    def next_release(self) -> NextRelease | None:
+        """The release that would distinguish the hypotheses best, computed when asked for; None where a release cannot."""
+        return None if self.verdict in _NO_RELEASE else next_release(self.baseline.decays, self.hypotheses)
+
+    @cached_property
+    def next_experiment(self) -> str:
+        """What to record next, in a sentence."""
+        return _next_experiment(self.baseline, self.verdict, self.suspects, self.next_release)
 
     def next_within(self, limits: Limits) -> NextRelease | None:
         """Choose the most informative release that a rig allows; None where no release tells anything.
@@ -235,7 +242,6 @@ def diagnose(
     named = named_by(verdict, suspects, judgement.together)
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
     suspects = with_rivals(suspects, named, hypotheses)
-    chosen = next_release(baseline.decays, hypotheses) if verdict not in _NO_RELEASE else None
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
@@ -245,7 +251,6 @@ def diagnose(
         final=settled.fit,
         shape=judgement.shape,
         explanation=_why(baseline, judgement, suspects, findings, settled, harmonics),
-        next_experiment=next_experiment(baseline, verdict, suspects, chosen),
         library=library,
         confirmation=judgement.confirmation,
         decays=whole,
@@ -256,7 +261,6 @@ def diagnose(
         too_small=judgement.too_small,
         walk=judgement.walk,
         hypotheses=hypotheses,
-        next_release=chosen,
     )
 
 
@@ -370,10 +374,9 @@ _MORE = "Record at least eight seconds or ten cycles, from the largest amplitude
 _AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"
 
 
-def next_experiment(
+def _next_experiment(
     baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...], chosen: NextRelease | None
 ) -> str:
-    """Say in a sentence what to record next."""
     if verdict == "not_enough_data":
         return _MORE
     if verdict == "driven":

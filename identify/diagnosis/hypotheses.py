@@ -16,7 +16,7 @@ from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import reachable_starts, scales_of
+from identify.fitting.initial_values import close_starts, scales_of
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import among, plain_name
 from identify.model.measured_path import force_along
@@ -212,7 +212,7 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
     if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):
         return Hypothesis(name, found, 0.0)
     own = {key: estimate.value for key, estimate in found.of(term, 0).items()}
-    starts = reachable_starts(term, scales)
+    starts = close_starts(term, scales)
     most = {key: max(start[key] for start in starts) for key in term.effect.inner}
     within = {key: end for key, end in most.items() if own[key] > end}
     reach = {str(term.parameter(key)): end for key, end in most.items()}

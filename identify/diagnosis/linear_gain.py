@@ -5,7 +5,8 @@ effect's inner parameters gives, before any fit, nearly the result of a fit: wha
 the misfit, and of the change that the effect makes, is left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -14,7 +15,8 @@ from identify.arrays import Array
 from identify.effects.effect import Scales
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import inner_values, reachable_starts, rest_states, term_starts
+from identify.fitting.initial_values import close_starts, inner_values, rest_states, term_starts
+from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
@@ -23,6 +25,8 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 
 def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
     """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
+    if not term.force.states:
+        return {}
     found: dict[str, float] = {}
     count = len(base.windows)
     for i in range(count):
@@ -107,7 +111,10 @@ Starts = tuple[dict[str, float], ...]
 _PRESENT = 1e-5
 """Share of the acceleration that a weakly present force has: it moves the readings by a few units of noise."""
 
-_FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
+_READINGS_A_CYCLE = 24
+"""Readings of each channel from which gains are estimated: three a cycle of the fastest second mass."""
+
+_FEWEST_PLACES, _MOST_NUMBERS = 100, 500_000
 """Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
 
 _INDEPENDENT = 1e-6
@@ -128,6 +135,20 @@ class Slope:
         """Return the slope at a fit."""
         return cls(base, base.problem, *base.linearised)
 
+    @cached_property
+    def thinned(self) -> Self:
+        """The same at a few readings a cycle."""
+        base = self.base
+        cycle = 2.0 * np.pi / base.frequency
+        windows = tuple(one.thinned(int(cycle * one.rate / _READINGS_A_CYCLE)) for one in base.windows)
+        problem = Problem(base.model, windows, base.frequency, coarse=True)
+        return replace(
+            self,
+            problem=problem,
+            residual=problem.residuals(base.theta),
+            jacobian=linearise(problem, base.theta)[1],
+        )
+
     def free_of_known(self, columns: Array) -> Array:
         """Remove from columns (n, m) the part that the model's own parameters can follow."""
         return self.jacobian.free(columns)
@@ -138,12 +159,12 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
 
     A fault has none. For a line they are the residual's own lines.
     """
-    starts = (term_starts if term.effect.line else reachable_starts)(term, scales)
+    starts = (term_starts if term.effect.line else close_starts)(term, scales)
     if not term.is_force or len(starts) < 2:
         return ()
-    base = slope.base
-    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
-    before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
+    base, slope = slope.base, slope.thinned
+    problem = Problem(base.model.plus(term), slope.problem.windows, base.frequency, coarse=True)
+    before = slope.residual
     starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
     columns, of = [slope.residual], [-1]
     for place, start in enumerate(starts):

@@ -117,15 +117,9 @@ class Effect(ABC):
     def starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return starting values of `started`, less those that a variant holds; none where the channel is absent."""
 
-    def fine_starting_values(self, scales: Scales, channel: str) -> Starts:
-        """Return starting values so close together that no place between them looks very different."""
-        starts = self.starting_values(scales, channel)
-        between = (tuple(map(_between, a, b)) for a, b in pairwise(starts))
-        return starts[:1] + tuple(place for pair in zip(between, starts[1:], strict=True) for place in pair)
-
-    def reachable_starting_values(self, scales: Scales, channel: str) -> Starts:
-        """Return close starting values over all that a fit may reach from its own: what it would find there by chance."""
-        return self.fine_starting_values(scales, channel)
+    def close_starting_values(self, scales: Scales, channel: str) -> Starts:
+        """Return starting values over all that a fit may reach, so close that no place between them looks very different."""
+        return with_midpoints(self.starting_values(scales, channel))
 
     @property
     def strength(self) -> Parameter:
@@ -139,6 +133,12 @@ class Effect(ABC):
     def has_meaning_for(self, unit: str) -> bool:
         """Check whether the effect can act on displacements in a unit."""
         return not self.units or unit in self.units
+
+
+def with_midpoints(starts: Starts) -> Starts:
+    """Add a place between each two neighbouring ones."""
+    between = (tuple(map(_between, a, b)) for a, b in pairwise(starts))
+    return starts[:1] + tuple(place for pair in zip(between, starts[1:], strict=True) for place in pair)
 
 
 def _between(a: float, b: float) -> float:

@@ -42,21 +42,19 @@ class ForceEffect(Effect):
 
     `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release, and
-    `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in
-    `p`: by "effect.parameter", each with its rough value at an angular frequency (rad/s).
-    `equilibrium_state(u, p)` gives the internal states of a mass that has been held at `u` for long; with
-    `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
-    unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
-    ones where midpoints between those would leave gaps, `reach(scales)` those over all that a fit may reach, where that is
-    more. `fastest_rate(p)` is the angular frequency (rad/s) that the
-    integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
-    finer step; the state of one with memory follows the motion over the displacement (m) that it `gives_way(p)` within,
-    and no longer step goes farther; where that is None, its steps are never longer. A `proportional` force grows with the
-    motion as a whole, so that it changes frequency and loss alike at all amplitudes, and leaves the centre where it is. A
-    `linear_part` is built into the simulator. What `may_be_all_of` a linear part has the strength of that part on a rig
-    where nothing else adds to it, and then no constant of its own.
-    A joint or an asperity holds no more than it gives way at: its first state is a share of that, at most `largest_state`.
-    Other states are displacements, their second speeds, of any size.
+    `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in `p`:
+    by "effect.parameter", each with its rough value at an angular frequency (rad/s). `equilibrium_state(u, p)` gives the
+    internal states of a mass that has been held at `u` for long; with `fading_memory`, how it came there does not matter
+    and these are its states at the release, otherwise they are unknowns of the fit. `starts(scales)` lists starting values
+    of the inner parameters, `reach(scales)` close ones over all that a fit may reach, None where midpoints between those
+    starts do. `fastest_rate(p)` is the angular frequency (rad/s) that the integration must resolve for the sake of the
+    effect, None where the motion's own does. `nonsmooth` forces want a finer step; the state of one with memory follows the
+    motion over the displacement (m) that it `gives_way(p)` within, and no longer step goes farther; where that is None, its
+    steps are never longer. A `proportional` force grows with the motion as a whole, so that it changes frequency and loss
+    alike at all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What
+    `may_be_all_of` a linear part has the strength of that part on a rig where nothing else adds to it, and then no constant
+    of its own. A joint or an asperity holds no more than it gives way at: its first state is a share of that, at most
+    `largest_state`. Other states are displacements, their second speeds, of any size.
     """
 
     kind = "physics"
@@ -69,7 +67,6 @@ class ForceEffect(Effect):
     fading_memory: bool = True
     shared_parameters: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
     starts: Callable[[Scales], Starts] = field(default=lambda scales: ((),))
-    fine_starts: Callable[[Scales], Starts] | None = None
     reach: Callable[[Scales], Starts] | None = None
     fastest_rate: Callable[[Array], float] | None = None
     gives_way: Callable[[Array], float] | None = None
@@ -100,17 +97,9 @@ class ForceEffect(Effect):
         """Return starting values of the inner parameters that no variant holds."""
         return self.starts(scales)
 
-    def fine_starting_values(self, scales: Scales, channel: str = "") -> Starts:
-        """Return starting values so close together that nothing is missed between them."""
-        return (
-            super().fine_starting_values(scales, channel)
-            if self.fine_starts is None
-            else self.fine_starts(scales)
-        )
-
-    def reachable_starting_values(self, scales: Scales, channel: str = "") -> Starts:
+    def close_starting_values(self, scales: Scales, channel: str = "") -> Starts:
         """Return close starting values of the inner parameters over all that a fit may reach."""
-        return self.fine_starting_values(scales, channel) if self.reach is None else self.reach(scales)
+        return super().close_starting_values(scales, channel) if self.reach is None else self.reach(scales)
 
     def table(self, values: Mapping[str, float], shared: Mapping[str, float]) -> Numbers:
         """Return the parameters as compiled functions take them: own values by name, shared ones by "effect.parameter".

@@ -28,11 +28,6 @@ def _starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, 0.4 / scales.speed) for share in (0.35, 0.6, 0.8))
 
 
-def _fine_starts(scales: Scales) -> Starts:
-    shares, losses = (0.35, 0.47, 0.6, 0.7, 0.8), (0.0, 0.5, 1.0)
-    return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
-
-
 _GAPS = (0.02, 0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
 _LOSSES = (0.0, 1.0, 3.0, 10.0)
 """Gaps over the amplitude, and losses times the largest speed, that a fit may reach; 10 is nearly all on the way in."""
@@ -60,7 +55,6 @@ IMPACT = ForceEffect(
     ),
     force=_impact,
     starts=_starts,
-    fine_starts=_fine_starts,
     reach=_reach,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: (

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.algebra import bounded_least_squares
 from identify.arrays import Array
-from identify.effects.effect import Scales, Starts
+from identify.effects.effect import Scales, Starts, with_midpoints
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
@@ -160,20 +160,22 @@ def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float
     )
 
 
-def term_starts(term: Term, scales: Scales, *, fine: bool = False) -> tuple[dict[str, float], ...]:
-    """List the starting values of a term's inner parameters by their own names; for a fault, of all its parameters.
-
-    `fine` ones leave no gaps between them.
-    """
-    effect = term.effect
-    return _named(
-        term, (effect.fine_starting_values if fine else effect.starting_values)(scales, term.channel)
-    )
+def term_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
+    """List the starting values of a term's inner parameters by their own names; for a fault, of all its parameters."""
+    return _named(term, term.effect.starting_values(scales, term.channel))
 
 
-def reachable_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
+def starts_between(term: Term, scales: Scales, times: int = 1) -> tuple[dict[str, float], ...]:
+    """List the same with a place between each two neighbouring ones, added so many times."""
+    starts = term.effect.starting_values(scales, term.channel)
+    for _ in range(times):
+        starts = with_midpoints(starts)
+    return _named(term, starts)
+
+
+def close_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
     """List the same, close together over the whole range of a fit."""
-    return _named(term, term.effect.reachable_starting_values(scales, term.channel))
+    return _named(term, term.effect.close_starting_values(scales, term.channel))
 
 
 def _named(term: Term, starts: Starts) -> tuple[dict[str, float], ...]:

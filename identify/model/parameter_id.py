@@ -1,7 +1,7 @@
 """The identity of a parameter: whose it is, in which release, and what for."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, Self
 
 Role = Literal["parameter", "state", "nuisance"]
@@ -46,7 +46,7 @@ class ParameterId:
 
     def of_release(self, release: int, count: int) -> Self:
         """Return the same of one of `count` releases, which has a number only among several."""
-        return replace(self, release=release if count > 1 else None)
+        return type(self)(self.effect, self.parameter, release if count > 1 else None, self.role)
 
 
 def nuisance(name: str, release: int = 0, count: int = 1) -> ParameterId:
