@@ -11,7 +11,6 @@ from identify.preprocessing.fit_window import FitWindow, PreReleaseMotion
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
-_READINGS_A_CYCLE = 24
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) ->
         release=0,
         own_linear=None,
     )
-    return made.thinned(int(2.0 * np.pi / w * window.rate / _READINGS_A_CYCLE))
+    return made.at_few_readings(w)
 
 
 def cut_where_small(

@@ -111,9 +111,6 @@ Starts = tuple[dict[str, float], ...]
 _PRESENT = 1e-5
 """Share of the acceleration that a weakly present force has: it moves the readings by a few units of noise."""
 
-_READINGS_A_CYCLE = 24
-"""Readings of each channel from which gains are estimated: three a cycle of the fastest second mass."""
-
 _FEWEST_PLACES, _MOST_NUMBERS = 100, 500_000
 """Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
 
@@ -139,8 +136,7 @@ class Slope:
     def thinned(self) -> Self:
         """The same at a few readings a cycle."""
         base = self.base
-        cycle = 2.0 * np.pi / base.frequency
-        windows = tuple(one.thinned(int(cycle * one.rate / _READINGS_A_CYCLE)) for one in base.windows)
+        windows = tuple(one.at_few_readings(base.frequency) for one in base.windows)
         problem = Problem(base.model, windows, base.frequency, coarse=True)
         return replace(
             self,
@@ -166,15 +162,13 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     problem = Problem(base.model.plus(term), slope.problem.windows, base.frequency, coarse=True)
     before = slope.residual
     starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
-    columns, of = [slope.residual], [-1]
-    for place, start in enumerate(starts):
+    misfit, gains = slope.free_of_known(slope.residual), [0.0]
+    for start in starts:
         moved = [problem.residuals(p) for p in probes(decays, base, problem, term, start)]
-        if all(np.isfinite(one).all() for one in moved):
-            own = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if moved else []
-            columns += own
-            of += [place] * len(own)
-    free, owner = slope.free_of_known(np.column_stack(columns)), np.array(of)
-    gains = [0.0, *(_gain(free[:, 0], free[:, owner == place], term) for place in range(len(starts))), 0.0]
+        known = bool(moved) and all(np.isfinite(one).all() for one in moved)
+        columns = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if known else []
+        gains.append(_gain(misfit, slope.free_of_known(np.column_stack(columns)), term) if columns else 0.0)
+    gains.append(0.0)
     tops = [i for i in range(1, len(gains) - 1) if 0.0 < gains[i] >= max(gains[i - 1], gains[i + 1])]
     return tuple(starts[i - 1] for i in sorted(tops, key=lambda i: -gains[i]))
 

@@ -15,8 +15,6 @@ from identify.preprocessing.fit_window import FitWindow
 _STEPS, _GAIN = 8, 0.2
 """Most steps of a refit, and the gain of chi-square that ends it: evidence need not be known to a tenth of a nat."""
 
-_READINGS_A_CYCLE = 24
-
 
 @dataclass(frozen=True, eq=False)
 class SoFar:
@@ -33,9 +31,7 @@ class SoFar:
         """Refit a hypothesis to fewer readings."""
         found = one.fit
         w = found.frequency
-        windows = tuple(
-            one.thinned(int(2.0 * np.pi / w * one.rate / _READINGS_A_CYCLE)) for one in found.windows
-        )
+        windows = tuple(one.at_few_readings(w) for one in found.windows)
         problem = Problem(found.model, windows, w, coarse=True)
         _bound(problem, one.reach)
         end = minimise(problem, problem.theta(found.point), steps=_STEPS, tolerance=_GAIN)

@@ -205,12 +205,6 @@ def _fit(
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
 
 
-def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
-    """Check whether starting values are so far off that a fit which is not `near` must begin with few cycles."""
-    problem = Problem(model, windows, frequency)
-    return _off(problem.residuals(np.clip(problem.theta(start), problem.low, problem.high)))
-
-
 def _off(misfit: Array) -> bool:
     return not _cost(misfit) <= FAR_OFF * len(misfit)
 

@@ -10,6 +10,9 @@ from identify.arrays import Array, Mask
 from identify.free_decay import CHANNELS
 from identify.signal.coloured_noise import Colour, Whitening
 
+_FEW_A_CYCLE = 24
+"""Readings a cycle that show a law, and a second mass eight times as fast as the motion three times a cycle."""
+
 
 @dataclass(frozen=True, eq=False)
 class PreReleaseMotion:
@@ -148,6 +151,10 @@ class FitWindow:
                 colour={c: colour.beside_white(1.0 / step) for c, colour in self.colour.items()},
             )
         return self._thinned[step]
+
+    def at_few_readings(self, frequency: float) -> Self:
+        """Return the window at some 24 readings a cycle of a motion of angular `frequency` (rad/s)."""
+        return self.thinned(int(2.0 * np.pi / frequency * self.rate / _FEW_A_CYCLE))
 
     @cached_property
     def _thinned(self) -> dict[int, Self]:
