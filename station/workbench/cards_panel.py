@@ -1,23 +1,24 @@
 """The suspects as cards under the maps: pointing at one previews it, a click selects it, Add puts it into the model."""
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from nicegui import ui
 
 from identify.formatting import plain_name
-from station.operations import refining
 from station.results.diagnosis_document import DiagnosisDocument
 from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
 from station.text.layout import sentence
 from station.text.numbers import typeset
-from station.workbench import further_tasks, tasks, widgets
+from station.workbench import widgets
 from station.workbench.others_menu import others_menu
 from station.workbench.own_card import OwnCard
 from station.workbench.parts import part
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.view_models import MOST_CARDS, View
-from station.workbench.worker import Failed
 
 Card = tuple[str, str, str, str, bool]
 """An effect, what it is called, what it explains, its equation, and whether that is no better than chance."""
@@ -26,14 +27,10 @@ Card = tuple[str, str, str, str, bool]
 class CardsPanel:
     """What the present model may lack."""
 
-    def __init__(self, session: SessionState, session_list: SessionList) -> None:
+    def __init__(
+        self, session: SessionState, session_list: SessionList, does: Mapping[str, Callable[[str], Any]]
+    ) -> None:
         self._session = session
-        does = {
-            "add": self._add,
-            "diagnose": self._diagnose,
-            "refine": lambda _: session.start("Refining", tasks.refine, long=True),
-            "reveal": self._reveal,
-        }
         with ui.element("section").classes("suspects").props('aria-label="Suspects"'):
             with widgets.line("suspects-head"):
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
@@ -78,20 +75,6 @@ class CardsPanel:
             equation = "a spline of the residual, without a name"
             found.append((MEASURED_CURVE, "the measured curve", curve["words"], equation, False))
         return found
-
-    def _add(self, name: str) -> None:
-        called = "the measured curve" if name == MEASURED_CURVE else plain_name(name)
-        self._session.change(f"Adding {called}", refining.add, name)
-
-    def _diagnose(self, _: str) -> None:
-        self._session.start("Trying every effect", tasks.diagnose, self._session.others, long=True)
-
-    async def _reveal(self, _: str) -> None:
-        try:
-            self._session.notice = await self._session.ask(further_tasks.reveal)
-        except Failed as failure:
-            self._session.notice = str(failure)
-        self._session.changed()
 
 
 def _headline(document: DiagnosisDocument | None, floor: bool) -> str:

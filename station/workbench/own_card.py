@@ -5,11 +5,9 @@ import json
 
 from nicegui import ui
 
-from identify.formatting import plain_name
-from station.operations import refining
-from station.results.models import name_of
 from station.workbench import tasks, widgets
 from station.workbench.session_state import SessionState
+from station.workbench.statements import called
 from station.workbench.view_models import Drawn
 from station.workbench.widgets import run
 from station.workbench.worker import Failed
@@ -65,7 +63,7 @@ class OwnCard:
         (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
         self._say("good", f"{says['what']}. Point here to see it again.")
-        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': plain_name(name_of(text))})})")
+        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': called(text)})})")
 
     def _say(self, kind: str, text: str) -> None:
         """Say how the expression is; one that is good can be added."""
@@ -76,4 +74,4 @@ class OwnCard:
     def _add(self) -> None:
         if self._button.enabled:
             text, self._field.value = self._typed, ""
-            self._session.change(f"Adding {plain_name(name_of(text))}", refining.add, text)
+            self._session.add(text)

@@ -34,13 +34,6 @@ def report_address(key: str) -> str:
     return f"/report/{quote(key, safe='')}"
 
 
-def viewer_address(key: str, stamp: int, host: str, dark: bool) -> str:
-    """Write the address of the viewer with a session's recording open; `stamp` keeps browsers from an old one."""
-    recording = f"http://{host}/viewer/recording/{stamp}/{quote(key, safe='')}.rrd"
-    theme = "dark" if dark else "light"
-    return f"/viewer/index.html?url={quote(recording, safe='')}&hide_welcome_screen=1&theme={theme}"
-
-
 def serve_files(app: FastAPI, viewer: Path, session_list: SessionList) -> None:
     """Let the application serve the viewer's files out of the folder `viewer`, and results of the sessions on offer."""
 

@@ -10,7 +10,6 @@ from typing import Any
 
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.formatting import plain_name
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
@@ -28,7 +27,7 @@ from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
-from station.workbench.statements import with_effect
+from station.workbench.statements import called, with_effect
 from station.workbench.view_models import MOST_CARDS, Drawn, View
 from station.workbench.worker import Say
 
@@ -151,21 +150,20 @@ def _suspects(opened: Opened, document: DiagnosisDocument) -> Iterator[Drawn]:
             yield Drawn({name: opened.drawn[name][0]}, {suspect.effect: name})
     if shown and not opened.refinement.ladder.top.at_floor:
         with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
-            yield _tried(opened, MEASURED_CURVE, MEASURED_CURVE)
+            yield _tried(opened, MEASURED_CURVE)
 
 
 def preview(settings: Settings, say: Say, folder: Path, wanted: str) -> Drawn:
     """Draw the present model with an expression of the user's own; nothing is kept."""
     opened = open_session(settings, folder)
     opened.present_fit()
-    return _tried(opened, wanted, name_of(wanted))
+    return _tried(opened, wanted)
 
 
-def _tried(opened: Opened, wanted: str, effect: str) -> Drawn:
+def _tried(opened: Opened, wanted: str) -> Drawn:
     """Draw the present model with `wanted` added, and say what it leaves."""
     step, _ = tried(opened.refinement, wanted)
-    name, error = opened.draw_step(step), step.error
-    called = "the measured curve" if wanted == MEASURED_CURVE else plain_name(effect)
+    name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
-    says = with_effect(opened.refinement.ladder, called, error.motion_percent, error.chi2, more)
+    says = with_effect(opened.refinement.ladder, called(wanted), error.motion_percent, error.chi2, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})

@@ -31,9 +31,10 @@ from station.workbench.parts import part
 from station.workbench.worker import Say
 
 
-def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told], *arguments: Any) -> str:
-    """Write what one of the functions below tells as HTML."""
-    return part("told", what(settings, say, folder, *arguments))
+def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told | str], *arguments: Any) -> str:
+    """Write what one of the functions below tells as HTML; what is HTML already stays as it is."""
+    found = what(settings, say, folder, *arguments)
+    return found if isinstance(found, str) else part("told", found)
 
 
 def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:

@@ -12,9 +12,9 @@ from station.workbench.worker import Failed
 
 
 class TellingPanel:
-    """What a function of `telling` tells of a session, empty until it is opened; `doing` says what it does meanwhile."""
+    """What a function of a worker tells of a session, empty until it is opened; `doing` says what it does meanwhile."""
 
-    def __init__(self, session: SessionState, what: Callable[..., Told], doing: str) -> None:
+    def __init__(self, session: SessionState, what: Callable[..., Told | str], doing: str) -> None:
         self._session, self._what, self._doing = session, what, doing
         self._waiting = Waiting(session.workers)
         self._wanted: object = None
@@ -34,7 +34,8 @@ class TellingPanel:
         except (asyncio.CancelledError, Failed) as failure:
             if self._wanted == wanted:
                 self._wanted = None
-                self._body.content = part("told", Told(str(failure), "bad", ()))
+                said = str(failure) or "Cancelled; ask again to see it."
+                self._body.content = part("told", Told(said, "bad", ()))
 
     def cancel(self) -> None:
         """End what is under way."""

@@ -36,8 +36,8 @@ class ImportQuestion:
 
 
 @dataclass(frozen=True)
-class Campaign:
-    """What came of several files: the names of the sessions, and what a campaign tells of them, as HTML."""
+class Imported:
+    """What came of files: the names of the sessions, and what is told of them: of several, a campaign as HTML."""
 
     sessions: list[str]
     told: str

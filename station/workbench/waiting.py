@@ -7,6 +7,7 @@ from typing import Any
 from nicegui import ui
 
 from station.workbench import widgets
+from station.workbench.parts import part
 from station.workbench.worker import Task, WorkerPool
 
 
@@ -15,7 +16,7 @@ class BusyLine:
 
     def __init__(self, cancel: Callable[[], object], classes: str = "") -> None:
         with widgets.line(classes).props("role=status aria-live=polite") as self._line:
-            widgets.spinner()
+            widgets.html("contents").content = part("turning", 18)
             self._label = widgets.label("", "small grow wrap")
             self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
             self._bar.classes("share").set_visibility(False)
