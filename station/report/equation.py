@@ -7,12 +7,11 @@ from station.report.findings import Findings
 from station.story.compared import Compared
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
-from station.text.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
+from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
-TITLE = "The equation of motion"
 FAR = 4.0
 SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
 
@@ -22,11 +21,11 @@ CURVE = (
 )
 
 
-def equation(found: Findings) -> Section:
-    """Show the current model in letters and in numbers."""
+def equation(found: Findings) -> list[Part]:
+    """Show the current model in letters and in numbers; nothing without one."""
     compared = found.compared
     if compared is None:
-        return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
+        return []
     judged = compared.judged
     fit = judged.stated(judged.fit)
     letters = _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
@@ -48,7 +47,7 @@ def equation(found: Findings) -> Section:
     doubt = caution(compared)
     if doubt:
         parts.append(Paragraph(doubt, label="Caution", strong=True))
-    return Section("equation", TITLE, tuple(parts))
+    return parts
 
 
 def caution(compared: Compared) -> str:

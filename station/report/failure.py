@@ -3,18 +3,14 @@
 from station.report.findings import Findings
 from station.story.compared import Compared
 from station.text.comparison_text import told
-from station.text.content import Figure, Part, Section, left_out
+from station.text.content import Figure, Part
 from station.views import comparison_figures as draw
 from station.views.palette import PAPER, Look
 
-TITLE = "The current model, compared with the measurement"
 
-
-def comparison(found: Findings) -> Section:
-    """Say and draw where the current model fails."""
-    if found.compared is None:
-        return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
-    return Section("comparison", TITLE, where_it_fails(found.compared))
+def comparison(found: Findings) -> tuple[Part, ...]:
+    """Say and draw where the current model fails; nothing without one."""
+    return () if found.compared is None else where_it_fails(found.compared)
 
 
 def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:

@@ -3,21 +3,18 @@
 from station.report.findings import Findings
 from station.story.preparation import length_unit
 from station.text import ladder_text
-from station.text.content import Figure, Paragraph, Part, Section, Table, facts, left_out
+from station.text.content import Figure, Paragraph, Part, Table, facts
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import parameters, shown_suspects, told
 from station.text.numbers import typeset
 from station.views import diagnosis_figures as draw
 
-SUSPECTS = "Suspects: which effect is missing"
-LADDER = "The ladder: the residual, step by step"
 
-
-def suspects(found: Findings) -> Section:
-    """Show the verdict of the diagnosis, the suspects in order, and the forces that they would add."""
+def suspects(found: Findings) -> list[Part]:
+    """Show the verdict of the diagnosis, the suspects in order, and the forces that they would add; nothing without one."""
     document = found.diagnosis
     if document is None:
-        return Section("suspects", SUSPECTS, (left_out(found.left_out["suspects"]),))
+        return []
     words = told(document, full=True)
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=words.headline, strong=True)]
     parts += words.brief
@@ -47,14 +44,13 @@ def suspects(found: Findings) -> Section:
         parts.append(Figure(caption, draw.shape(shape.curves[0])))
     known = document.suspects[0].confusable_with if document.named and document.suspects else []
     confused = f"{', '.join(known)}; a record of another kind separates them" if known else ""
-    parts += [*words.more[1:], *facts([("easily confused", confused)])]
-    return Section("suspects", SUSPECTS, tuple(parts))
+    return [*parts, *words.more[1:], *facts([("easily confused", confused)])]
 
 
-def ladder(found: Findings) -> Section:
-    """Show the residual from the first model to the current one, and the noise."""
+def ladder(found: Findings) -> list[Part]:
+    """Show the residual from the first model to the current one, and the noise; nothing without a ladder."""
     if found.ladder is None:
-        return Section("ladder", LADDER, (left_out(found.left_out["ladder"]),))
+        return []
     words = ladder_text.told(found.ladder)
     why = [Paragraph(words.headline)] if found.ladder.stopped_because else []
-    return Section("ladder", LADDER, (*why, *words.brief, *words.more))
+    return [*why, *words.brief, *words.more]

@@ -5,7 +5,7 @@ from datetime import UTC
 from daq.recording import Channel
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
-from station.text.content import Facts, Figure, Paragraph, Part, Section, Table, facts
+from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
@@ -14,7 +14,7 @@ from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
 
 
-def setup(found: Findings) -> Section:
+def setup(found: Findings) -> list[Part]:
     """Say what was tested, by whom, with which sensors and calibrations."""
     info, recording = found.session.info, found.recording
     board = info.board
@@ -35,7 +35,7 @@ def setup(found: Findings) -> Section:
         tuple(_channel(found, channel) for channel in recording.channels),
         texts=5,
     )
-    return Section("setup", "Set-up and calibration", (*facts(rows), table))
+    return [*facts(rows), table]
 
 
 def _sampling(found: Findings) -> str:
@@ -62,7 +62,7 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
     )
 
 
-def capture(found: Findings) -> Section:
+def capture(found: Findings) -> list[Part]:
     """Show the record, the verdict on it, what was lost, the noise and the release."""
     parts: list[Part] = [_verdict(found)]
     result = found.identification
@@ -84,8 +84,7 @@ def capture(found: Findings) -> Section:
     time = result.release.time_s if free and result is not None else None
     shaded = " Flagged samples are shaded." if flags else ""
     figure = record(found.recording, time, flags)
-    parts.append(Figure(f"{caption} Lost samples are left blank.{shaded}", figure))
-    return Section("capture", "Capture and verdict", tuple(parts))
+    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
 
 
 def _ended(reason: str) -> str:
@@ -131,15 +130,12 @@ def _release(found: Findings) -> list[tuple[str, str]]:
     return rows
 
 
-def alignment(found: Findings) -> Section:
+def alignment(found: Findings) -> list[Part]:
     """State the lag between the channels, and the error that it would have caused."""
     result = found.identification
-    parts: list[Part] = []
     if result is None or result.alignment is None:
-        reason = found.left_out.get("alignment", "")
-        parts.append(Paragraph(f"The channels were not aligned: {_ended(reason)}"))
-        return Section("alignment", "Alignment of the channels", tuple(parts))
-    parts += facts(
+        return [Paragraph(f"The channels were not aligned: {_ended(found.left_out['alignment'])}")]
+    said = facts(
         (
             ("lag", sentence(lag_words(result))),
             ("method", f"{result.alignment.method}; no law of force is used"),
@@ -147,7 +143,5 @@ def alignment(found: Findings) -> Section:
         )
     )
     picture = picture_of_lag(result)
-    if picture is not None:
-        caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
-        parts.append(Figure(caption, picture))
-    return Section("alignment", "Alignment of the channels", tuple(parts))
+    caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
+    return [*said, *([] if picture is None else [Figure(caption, picture)])]

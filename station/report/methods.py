@@ -1,22 +1,20 @@
 """The appendix of both identifications, side by side: the paper's tables and figures, quotable or not."""
 
 from station.report.findings import Findings
-from station.text.content import Figure, Paragraph, Part, Section, facts, left_out
+from station.text.content import Figure, Paragraph, Part, facts
 from station.text.identification_text import methods_table, reasons, told
 from station.text.numbers import with_unit
 from station.views import identification_figures as draw
 
-TITLE = "Appendix: identification by two methods"
 
-
-def methods(found: Findings) -> Section:
-    """Put both methods side by side; what was refused says why."""
+def methods(found: Findings) -> list[Part]:
+    """Put both methods side by side; what was refused says why. Nothing where nothing was identified."""
     result = found.identification
     if result is None:
-        return Section("methods", TITLE, (left_out(found.left_out["identification"]),))
+        return []
     why = facts(reasons(result))
     if result.wavelet is None and result.restoring_force is None:
-        return Section("methods", TITLE, why)
+        return [*why]
     words = Paragraph(told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit
     offset = (
@@ -35,4 +33,4 @@ def methods(found: Findings) -> Section:
     parts.append(Figure(caption, draw.orders(result)))
     if force is not None:
         parts.append(Figure("Sections of the restoring force surface.", draw.sections(force, length)))
-    return Section("methods", TITLE, tuple(parts))
+    return parts

@@ -4,13 +4,12 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from station.report.findings import Findings
-from station.text.content import Facts, Paragraph, Part, Section, Table
+from station.text.content import Facts, Paragraph, Part, Table
 
 PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
-TITLE = "Software and checksums"
 
 
-def provenance(found: Findings) -> Section:
+def provenance(found: Findings) -> list[Part]:
     """List versions and the checksums of every file that the manifest knows, the report's own aside."""
     rows = [("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")]
     rows += [(name, _version(name)) for name in PACKAGES]
@@ -26,7 +25,7 @@ def provenance(found: Findings) -> Section:
             Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
         )
         parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
-    return Section("provenance", TITLE, tuple(parts))
+    return parts
 
 
 def _version(name: str) -> str:

@@ -17,11 +17,26 @@ from station.report.methods import methods
 from station.report.provenance import provenance
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
+from station.text.content import Section, left_out
 from station.views.figure import inked
 from station.views.palette import PAPER
 
 NAME = "report.html"
-SECTIONS = (comparison, suspects, ladder, equation, setup, capture, alignment, methods, provenance)
+SECTIONS = (
+    ("comparison", "The current model, compared with the measurement", comparison),
+    ("suspects", "Suspects: which effect is missing", suspects),
+    ("ladder", "The ladder: the residual, step by step", ladder),
+    ("equation", "The equation of motion", equation),
+    ("setup", "Set-up and calibration", setup),
+    ("capture", "Capture and verdict", capture),
+    ("alignment", "Alignment of the channels", alignment),
+    ("methods", "Appendix: identification by two methods", methods),
+    ("provenance", "Software and checksums", provenance),
+)
+"""The anchor of each, its title, and what makes its parts: none where it is left out."""
+
+RESTS_ON = {"equation": "comparison", "methods": "identification"}
+"""By whose reason a section is left out that has none of its own."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +76,11 @@ def rendered(found: Findings) -> str:
 
     _reasons(found)
     with inked(PAPER):
-        front, sections = first_page(found), tuple(make(found) for make in SECTIONS)
+        front, made = first_page(found), {name: make(found) for name, _, make in SECTIONS}
+    sections = [
+        Section(name, title, tuple(made[name]) or (left_out(found.left_out[RESTS_ON.get(name, name)]),))
+        for name, title, _ in SECTIONS
+    ]
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
