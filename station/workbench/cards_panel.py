@@ -1,5 +1,7 @@
 """The suspects as cards under the maps: pointing at one previews it, a click selects it, Add puts it into the model."""
 
+import asyncio
+import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -12,13 +14,15 @@ from station.suggestions import MEASURED_CURVE
 from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
 from station.text.layout import sentence
 from station.text.numbers import typeset
-from station.workbench import widgets
+from station.workbench import tasks, widgets
 from station.workbench.others_menu import others_menu
-from station.workbench.own_card import OwnCard
 from station.workbench.parts import part
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
-from station.workbench.view_models import MOST_CARDS, View
+from station.workbench.statements import called
+from station.workbench.view_models import MOST_CARDS, Drawn, View
+from station.workbench.widgets import run
+from station.workbench.worker import Failed
 
 Card = tuple[str, str, str, str, bool]
 """An effect, what it is called, what it explains, its equation, and whether that is no better than chance."""
@@ -89,3 +93,68 @@ def _headline(document: DiagnosisDocument | None, floor: bool) -> str:
     if document.verdict == "sensor_fault":
         return f"A sensor is at fault: {named}."
     return f"The missing effect is {named}."
+
+
+EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
+PAUSE_S = 0.3
+OWN = "(own)"
+"""The name under which the expression in the line is previewed; no effect can have it."""
+
+HELP = "A force per unit mass from displacement u, velocity v, time t and parameters of your own; or the name of an effect."
+
+
+class OwnCard:
+    """A line to type in, what is wrong with it beneath, and Add."""
+
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._typed = ""
+        with ui.element("div").classes("card-suspect own") as self._card:
+            with widgets.line():
+                widgets.label("One of your own", "name")
+                self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
+                self._field.props(
+                    'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
+                )
+                self._field.classes("mono grow").on("keydown.enter", self._add)
+                self._button = widgets.button("Add", self._add, "Add the effect of your own")
+            self._message = widgets.label("", "small wrap").props("aria-live=polite")
+        self._say("faint", HELP)
+
+    async def _changed(self, text: str) -> None:
+        self._typed = text
+        self._button.disable()
+        run("bench.own(null)")
+        if not text.strip():
+            self._say("faint", HELP)
+            return
+        await asyncio.sleep(PAUSE_S)
+        if text != self._typed:
+            return
+        view = self._session.view
+        try:
+            found: Drawn = await self._session.ask(tasks.preview, text)
+        except Failed as failure:
+            if text == self._typed:
+                self._say("bad", str(failure))
+            return
+        if text != self._typed:
+            return
+        if self._session.view is not view:  # it was fitted to another model
+            await self._changed(text)
+            return
+        (frame,), (says,) = found.frames.values(), found.says.values()
+        self._card.props["data-preview"] = OWN
+        self._say("good", f"{says['what']}. Point here to see it again.")
+        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': called(text)})})")
+
+    def _say(self, kind: str, text: str) -> None:
+        """Say how the expression is; one that is good can be added."""
+        self._message.classes(remove="bad good faint", add=kind)
+        self._message.text = text
+        self._button.set_enabled(kind == "good")
+
+    def _add(self) -> None:
+        if self._button.enabled:
+            text, self._field.value = self._typed, ""
+            self._session.add(text)

@@ -7,7 +7,7 @@ from nicegui import background_tasks, ui
 from station.workbench import telling, widgets
 from station.workbench.parts import part
 from station.workbench.session_state import SessionState
-from station.workbench.telling_panel import TellingPanel
+from station.workbench.waiting import TellingPanel
 
 
 class EmptyMiddle:

@@ -11,7 +11,7 @@ from daq.importing.recipe import Recipe
 from station.exits import UsageProblem
 from station.settings import Settings
 from station.workbench.parts import part
-from station.workbench.session_thumbnails import outline
+from station.workbench.session_list import outline
 from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
 from station.workbench.worker import Say
 

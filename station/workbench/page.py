@@ -3,30 +3,27 @@
 import asyncio
 import json
 import time
+from urllib.parse import quote
 
 from nicegui import background_tasks, ui
 
 from station.workbench import further_tasks, telling, widgets
 from station.workbench.actions import actions
 from station.workbench.app_state import AppState
-from station.workbench.capture_panel import CapturePanel
+from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
 from station.workbench.empty_middle import EmptyMiddle
 from station.workbench.guide_panel import GuidePanel
-from station.workbench.others_menu import others_menu
+from station.workbench.others_menu import others_menu, validate_dialog
 from station.workbench.parts import part
-from station.workbench.scope_panel import ScopePanel
-from station.workbench.served_files import report_address
 from station.workbench.session_menu import SessionMenu
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.statements import switched_off
-from station.workbench.telling_panel import TellingPanel
-from station.workbench.validate_dialog import validate_dialog
 from station.workbench.view_models import View
-from station.workbench.waiting import BusyLine, Waiting
+from station.workbench.waiting import BusyLine, TellingPanel, Waiting
 from station.workbench.widgets import run
 from station.workbench.worker import Failed
 
@@ -162,7 +159,7 @@ class Page:
                 widgets.label(str(failure), "small bad wrap")
         else:
             with self._report:
-                link = ui.link("Open the report", report_address(self._key or ""), new_tab=True)
+                link = ui.link("Open the report", f"/report/{quote(self._key or '', safe='')}", new_tab=True)
                 link.classes("small strong").style("color: var(--accent)")
 
     def _turn_theme(self) -> None:
