@@ -18,9 +18,8 @@ from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
-from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.force_maps import NamedMaps, kept_force_maps
+from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings

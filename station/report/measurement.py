@@ -1,6 +1,8 @@
-"""The first three sections: the set-up with its calibration, the capture with its verdict, the alignment."""
+"""The sections on the record: set-up with calibration, capture with verdict, alignment, and the software that was used."""
 
+import platform
 from datetime import UTC
+from importlib.metadata import PackageNotFoundError, version
 
 from daq.recording import Channel
 from station.report.findings import Findings
@@ -12,6 +14,8 @@ from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, typeset_unit, with_error
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
+
+PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
 
 def setup(found: Findings) -> list[Part]:
@@ -145,3 +149,29 @@ def alignment(found: Findings) -> list[Part]:
     picture = picture_of_lag(result)
     caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
     return [*said, *([] if picture is None else [Figure(caption, picture)])]
+
+
+def provenance(found: Findings) -> list[Part]:
+    """List versions and the checksums of every file that the manifest knows, the report's own aside."""
+    rows = [("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")]
+    rows += [(name, _version(name)) for name in PACKAGES]
+    parts: list[Part] = [Facts(tuple(rows))]
+    if found.manifest is None:
+        parts.append(Paragraph(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
+    else:
+        files = sorted(found.manifest.files.items())
+        table = tuple(
+            (name, str(file.size), file.sha256) for name, file in files if not name.endswith(".html")
+        )
+        parts.append(
+            Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
+        )
+        parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
+    return parts
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed as a package"

@@ -8,13 +8,10 @@ from pathlib import Path
 from daq.session import Session
 from daq.storage import write_whole
 from station.report.equation import equation
-from station.report.failure import comparison
 from station.report.findings import Findings, gather
 from station.report.first_page import first_page
-from station.report.loop import ladder, suspects
-from station.report.measurement import alignment, capture, setup
-from station.report.methods import methods
-from station.report.provenance import provenance
+from station.report.loop import comparison, ladder, methods, suspects
+from station.report.measurement import alignment, capture, provenance, setup
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.text.content import Section, left_out

@@ -9,7 +9,7 @@ from typing import Any
 from rerun.experimental import ViewerClient
 
 from station.exits import Problem
-from station.views.viewer import HOST, free_ports, start, wait_for
+from station.views.viewer import HOST, free_port, start, wait_for
 
 PAINT_S = 12.0
 ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers, or chromium, which brings one)"
@@ -71,7 +71,7 @@ def _name(part: dict[str, Any]) -> str:
 
 @contextlib.contextmanager
 def _viewer(size: str) -> Iterator[ViewerClient]:
-    (port,) = free_ports(1)
+    port = free_port()
     process = start(
         "--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen", more=_driver()
     )

@@ -81,15 +81,15 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
     from station.operations.identifying import identify_session, kept_options, write_view
     from station.operations.viewer_tabs import kept_tabs
-    from station.views import web_viewer
+    from station.views import viewer
 
     session = Session.open(folder)
     say("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
-    if not (temporary / web_viewer.FILES[0]).is_file():
-        web_viewer.unpack(temporary)
+    if not (temporary / viewer.FILES[0]).is_file():
+        viewer.unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one
     recording, theme = quote(f"http://{host}/{place}", safe=""), "dark" if dark else "light"
     return part("viewer", f"/viewer/index.html?url={recording}&hide_welcome_screen=1&theme={theme}")

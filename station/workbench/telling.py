@@ -14,15 +14,13 @@ from station.operations.comparing import compare_session
 from station.operations.identifying import identify_session, kept_options
 from station.operations.session_curves import kept_curves
 from station.operations.validating import validate_sessions
-from station.report.failure import where_it_fails
+from station.report.loop import curves_of, where_it_fails
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import read_ladder
 from station.settings import Settings
 from station.text import comparison_text, identification_text, table, validation_text
 from station.text.content import Figure, Paragraph, Told, facts
-from station.text.curves_text import curves_caption
 from station.text.layout import sentence
-from station.views.diagnosis_figures import curves
 from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import DARK, LIGHT, Look
@@ -50,8 +48,7 @@ def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     with inked(look):
         parts = where_it_fails(found, look)
         if kept is not None:
-            drawn = curves(kept.curves, kept.names, look)
-            parts = (Figure(curves_caption(kept.names, kept.curves), drawn), *parts)
+            parts = (curves_of(kept, look), *parts)
     return replace(words, brief=parts, more=())
 
 
