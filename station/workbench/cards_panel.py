@@ -7,13 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from identify.formatting import plain_name
-from station.results.diagnosis_document import DiagnosisDocument
-from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
-from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
-from station.text.layout import sentence
-from station.text.numbers import typeset
 from station.workbench import tasks, widgets
 from station.workbench.others_menu import others_menu
 from station.workbench.parts import part
@@ -23,9 +17,6 @@ from station.workbench.statements import called
 from station.workbench.view_models import MOST_CARDS, Drawn, View
 from station.workbench.widgets import run
 from station.workbench.worker import Failed
-
-Card = tuple[str, str, str, str, bool]
-"""An effect, what it is called, what it explains, its equation, and whether that is no better than chance."""
 
 
 class CardsPanel:
@@ -37,7 +28,7 @@ class CardsPanel:
         self._session = session
         with ui.element("section").classes("suspects").props('aria-label="Suspects"'):
             with widgets.line("suspects-head"):
-                self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
+                self._head = widgets.html("strong wrap grow verdict").props("aria-live=polite")
                 self._asks = widgets.html("contents", does)
                 self._why = ui.button("Why", color=None).props("dense no-caps flat padding='3px 8px'")
                 with self._why, ui.menu().props("max-width=460px"):
@@ -48,51 +39,14 @@ class CardsPanel:
 
     def show(self, view: View) -> None:
         """Show the suspects of the present model, or that nobody has asked about it yet."""
-        document, floor = view.diagnosis if view.about_present else None, view.at_floor
-        self._head.text = _headline(document, floor)
-        self._head.classes(remove="good", add="good" if floor else "")
+        document = view.diagnosis if view.about_present else None
+        self._head.content = part("verdict", view, document)
         self._asks.content = part("asks", view, document)
         self._why.set_visibility(document is not None)
         if document is not None:
-            confirmed = confirmed_by(document)
-            reasons = [
-                f"Confirmed on {confirmed}." if confirmed else "",
-                sentence(not_distinguishable(document)),
-            ]
-            faults = [found_in_sensor(finding, advice=True) for finding in document.findings]
-            why = (typeset(document.explanation), reasons, faults, document.next_experiment)
-            self._reasons.content = part("why", *why)
-        cards = [] if document is None else self._offered(document, view)
-        self._cards.content = "" if floor else part("cards", cards, document is not None)
-
-    def _offered(self, document: DiagnosisDocument, view: View) -> list[Card]:
-        top, found = view.ladder.top, list[Card]()
-        offered = [s for s in document.suspects if s.model is not None and s.effect not in top.effects]
-        for suspect in offered[:MOST_CARDS]:
-            name, words = suspect.effect, "no better than chance"
-            if suspect.claimed:
-                words = explained_words(top.error.chi2, suspect.error_after, top.chi2_std)
-            equation = view.equations.get(name, suspect.title)
-            found.append((name, plain_name(name), words, equation, not suspect.claimed))
+            self._reasons.content = part("why", document)
         curve = self._session.suspects.says.get(MEASURED_CURVE)
-        if curve is not None:
-            equation = "a spline of the residual, without a name"
-            found.append((MEASURED_CURVE, "the measured curve", curve["words"], equation, False))
-        return found
-
-
-def _headline(document: DiagnosisDocument | None, floor: bool) -> str:
-    if floor:
-        return "Nothing is missing: the residual is noise."
-    if document is None:
-        return "What is missing?"
-    if not document.named:
-        unnamed = "Something is missing that has no name here."
-        return unnamed if document.suspects else typeset(document.explanation)
-    named = " and ".join(plain_name(name) for name in document.named)
-    if document.verdict == "sensor_fault":
-        return f"A sensor is at fault: {named}."
-    return f"The missing effect is {named}."
+        self._cards.content = part("cards", view, document, MOST_CARDS, MEASURED_CURVE, curve)
 
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"

@@ -1,7 +1,6 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
 import asyncio
-import json
 import time
 from urllib.parse import quote
 
@@ -22,7 +21,6 @@ from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.statements import switched_off
-from station.workbench.view_models import View
 from station.workbench.waiting import BusyLine, TellingPanel, Waiting
 from station.workbench.widgets import run
 from station.workbench.worker import Failed
@@ -46,7 +44,6 @@ class Page:
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
-        self._channels: list[str] = []
         ui.page_title(f"{key} · workbench" if key else "workbench")
         with ui.element("header").classes("bench-head"):
             self._build_header()
@@ -111,7 +108,7 @@ class Page:
                 with ui.element("section").classes("stage").props('aria-label="Where the model fails"'):
                     with widgets.line("small faint"):
                         widgets.label("Force that the model lacks; grey: none, or within the noise", "grow")
-                        self._choice = widgets.line()
+                        widgets.html().content = part("channel")
                     for name, label in PICTURES.items():
                         widgets.chart(name, label, f"plot-{name}")
                 self._cards = CardsPanel(session, sessions, self._does)
@@ -210,7 +207,6 @@ class Page:
         if view is None:
             return
         self._right.set_visibility(self._head_tabs.value != RERUN)
-        self._offer_channels(view)
         self._ladder.content = part("fall", view, bool(session.earlier), switched_off(view.ladder))
         self._cards.show(view)
         if self._head_tabs.value in (DETAILS, NUMBERS) and session.running is None:
@@ -219,16 +215,3 @@ class Page:
         if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
             run(f"bench.filmTo({self._step})")
             self._step = None
-
-    def _offer_channels(self, view: View) -> None:
-        """Offer the channels of the session, one of which is drawn over time."""
-        channels = [trace["channel"] for trace in view.stage["traces"]]
-        if channels == self._channels or len(channels) < 2:
-            return
-        self._channels = channels
-        self._choice.clear()
-        with self._choice:
-            widgets.label("below:")
-            made = ui.toggle(dict(enumerate(channels)))
-            made.on_value_change(lambda e: run(f"bench.choose('channel', {json.dumps(e.value)})"))
-            made.props('dense no-caps size=12px padding="1px 7px" unelevated toggle-color=primary')
