@@ -71,6 +71,7 @@ def gather(
             keep(sessions, document)
     with _or_say_why(found, "suspects", UsageProblem):
         found.diagnosis = read_diagnosis(session)
+    _say_what_was_refused(found)
     _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):
         found.manifest = session.manifest()  # last, as it knows the results that were just written
@@ -84,6 +85,15 @@ def _or_say_why(found: Findings, name: str, *refusals: type[Exception]) -> Itera
         yield
     except refusals as refusal:
         found.left_out[name] = str(refusal)
+
+
+def _say_what_was_refused(found: Findings) -> None:
+    result, left_out = found.identification, found.left_out
+    if result is None:
+        left_out["alignment"] = left_out["identification"]
+    else:
+        alone = {"alignment": "there is one channel only"} if result.alignment is None else {}
+        left_out |= alone | {name: why for name, why in result.refusals.items() if name != "adequacy"}
 
 
 def _take_model(found: Findings, settings: Settings) -> None:

@@ -71,7 +71,6 @@ def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
     from jinja2 import Environment, StrictUndefined
 
-    _reasons(found)
     with inked(PAPER):
         front, made = first_page(found), {name: make(found) for name, _, make in SECTIONS}
     sections = [
@@ -90,16 +89,3 @@ def rendered(found: Findings) -> str:
         sections=sections,
         left_out=sorted(found.left_out.items()),
     )
-
-
-def _reasons(found: Findings) -> None:
-    """Note what the identification refused."""
-    if found.identification is None:
-        reason = found.left_out["identification"]
-        found.left_out["alignment"] = reason
-        return
-    for step, reason in found.identification.refusals.items():
-        if step in ("alignment", "wavelet", "restoring_force"):
-            found.left_out[step] = reason
-    if found.identification.alignment is None:
-        found.left_out.setdefault("alignment", "there is one channel only")

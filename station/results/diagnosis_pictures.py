@@ -87,12 +87,13 @@ def kept_force_maps(
         return ()
     first = known_model(document.fitted, "the diagnosis", library)
     base = fit_baseline((prepared,), first.model, starting_values(first, (prepared,))).fit
-    return force_maps(prepared, base, [_refitted(model, base, prepared, library) for model in models])
+    return force_maps(prepared, base, [refitted(model, base, prepared, library) for model in models])
 
 
-def _refitted(
+def refitted(
     model: ModelFile, base: Fit, prepared: PreparedDecay, library: tuple[Effect, ...]
 ) -> tuple[Term, Fit]:
+    """Fit a suspect's model near its values, which are not lost to another minimum; return its last term, and the fit."""
     known = known_model(model, "the diagnosis", library)
     start = starting_values(known, (prepared,))
-    return known.model.terms[-1], fit(known.model, base.windows, start, base.frequency)
+    return known.model.terms[-1], fit(known.model, base.windows, start, base.frequency, near=True)

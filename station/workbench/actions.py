@@ -32,5 +32,5 @@ def actions(
         "remove": lambda name: session.change(f"Taking {plain_name(name)} out", refining.remove, name),
         "report": lambda _: report(),
         "validate": lambda _: validate(),
-        "prune": lambda _: session.start("Trying to do without each effect", tasks.prune, long=True),
+        "prune": lambda _: session.change("Trying to do without each effect", refining.drop_needless),
     }

@@ -21,7 +21,7 @@ from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
-from station.operations.refining import Refinement, drop_needless, open_refinement, refine_to_floor, tried
+from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
@@ -73,11 +73,15 @@ def _equations(ladder: KeptLadder) -> dict[str, str]:
     return {effect.name: typeset(effect.equation) for effect in effects}
 
 
-def change(settings: Settings, say: Say, folder: Path, does: Callable[..., KeptLadder], *wanted: Any) -> View:
-    """Change the ladder by a function of `station.operations.refining`, which is given what is `wanted`."""
+def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:
+    """Change the ladder by a function of `station.operations.refining`, which is given what is `wanted`.
+
+    It returns the ladder, or the ladder with a sentence.
+    """
     say("fitting")
     opened = open_session(settings, folder)
-    return _view(settings, opened, does(opened.refinement, *wanted))
+    found = does(opened.refinement, *wanted)
+    return _view(settings, opened, *(found if isinstance(found, tuple) else (found,)))
 
 
 def restore(refinement: Refinement, ladder: KeptLadder) -> KeptLadder:
@@ -103,13 +107,6 @@ def begin_again(settings: Settings, say: Say, folder: Path) -> View:
     opened = open_session(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
     return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
-
-
-def prune(settings: Settings, say: Say, folder: Path) -> View:
-    """Take out the effects without which the residual hardly rises."""
-    say("fitting without each effect")
-    opened = open_session(settings, folder)
-    return _view(settings, opened, *drop_needless(opened.refinement))
 
 
 def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> View:

@@ -54,16 +54,12 @@ def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
 
 def recorded(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Show a record that allows no analysis as it stands; nothing where it cannot be read."""
-    try:
+    look, parts = _look(dark), tuple[Figure, ...]()
+    with suppress(StationError), inked(look):
         recording = Session.open(folder).recording()
-    except StationError:
-        return Told("", "", ())
-    if recording.samples.shape[1] < 2:
-        return Told("", "", ())
-    look = _look(dark)
-    with inked(look):
-        drawn = record(recording, look=look)
-    return Told("", "", (Figure("The channels as they were recorded.", drawn),))
+        if recording.samples.shape[1] > 1:
+            parts = (Figure("The channels as they were recorded.", record(recording, look=look)),)
+    return Told("", "", parts)
 
 
 def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> Told:
