@@ -2,33 +2,28 @@
 
 import asyncio
 import json
-import secrets
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 from nicegui import events, ui
 
+from daq.capture import CaptureSettings
 from daq.errors import StationError
 from station.exits import Problem
+from station.operations.new_session import capture_settings, session_info
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import widgets
 from station.workbench.app_state import AppState
-from station.workbench.capture_run import CaptureRun, Progress
+from station.workbench.capture_run import CaptureRun, Progress, mystery
 from station.workbench.parts import begun, part
 from station.workbench.session_list import address_of
 from station.workbench.widgets import run
 
 TICK_S = 0.1
-MYSTERIES = 1000
-MYSTERY_KG = 21.36
-"""Of the simulated bench."""
-
-MYSTERY_SPEED = 2.0
-
 KINDS = {"armed": "floor", "recording": "preview"}
 TEXTS = {"name": "Name of the session", "specimen": "Specimen", "operator": "Operator"}
 
@@ -86,43 +81,28 @@ class CapturePanel:
         self._say(*(lines or [none]))
 
     def _start(self) -> None:
-        port = str(self._port.value or "").strip()
-        if port:
-            self._record(nullcontext(port), self._mass.value or None, self._duration.value)
-        else:
+        settings, port = self._state.settings, str(self._port.value or "").strip()
+        if not port:
             self._say(("choose the port of the board, or let Find look for it", "bad"))
+            return
+        try:
+            info = session_info(settings, self._mass.value or None)
+            wanted = capture_settings(settings, info, duration=self._duration.value)
+        except (StationError, Problem, ValueError) as error:
+            self._say((str(error).splitlines()[0], "bad"))
+        else:
+            self._record(nullcontext(port), wanted, "release")
 
     def solve_mystery(self) -> None:
         """Record a simulated board that hides something, as if it stood on the bench."""
-        from station.operations.simulated_board import simulated_board
+        seed, board, wanted = mystery(self._state.settings)
+        self._record(board, wanted, f"mystery_{seed}")
 
-        seed = secrets.randbelow(MYSTERIES)
-        board = simulated_board(seed, MYSTERY_SPEED, False, module="mocks.mystery")
-        self._record(board, MYSTERY_KG, None, seed)
-
-    def _record(
-        self,
-        board: AbstractContextManager[str],
-        mass: float | None,
-        duration: float | None,
-        mystery: int | None = None,
-    ) -> None:
-        from station.operations.new_session import capture_settings, session_info
-
+    def _record(self, board: AbstractContextManager[str], wanted: CaptureSettings, prefix: str) -> None:
         if self.busy():
             ui.notify("another tab is recording: this click started nothing", type="warning")
             return
-        settings = self._state.settings
-        try:
-            info = session_info(settings, mass, None, None if mystery is None else f"mystery {mystery}")
-            wanted = capture_settings(settings, info, duration=duration)
-        except (StationError, Problem, ValueError) as error:
-            self._say((str(error).splitlines()[0], "bad"))
-            return
-        if mystery is not None:
-            wanted = replace(wanted, check_clock=False)
-        prefix = "release" if mystery is None else f"mystery_{mystery}"
-        self._own = self._state.capturing = CaptureRun(board, wanted, settings.sessions, prefix)
+        self._own = self._state.capturing = CaptureRun(board, wanted, self._state.settings.sessions, prefix)
         self._began(self._own)
 
     def _tick(self) -> None:

@@ -1,5 +1,6 @@
 """One capture under way: in a thread of its own, watched by every tab with its live scope, and ended on request."""
 
+import secrets
 import threading
 import time
 from contextlib import AbstractContextManager
@@ -18,11 +19,15 @@ from daq.rest_detection import primary, smallest_motion
 from daq.trigger import TIMES_NOISE, TIMES_RESOLUTION
 from firmware_protocol import Hello
 from station.exits import Problem
+from station.operations.mystery import BOARD, SEEDS
 from station.operations.new_session import new_folder
+from station.operations.simulated_board import simulated_board, simulated_capture
+from station.settings import Settings
 from station.text.capture_progress import STATES
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.stored_sessions import describe, rename
 
+MYSTERY_SPEED = 2.0
 SHOWN_S = 8.0
 POINTS = 300
 
@@ -151,6 +156,13 @@ class Progress:
     session: Path | None = None
     kept: Path | None = None
     scope: Scope = field(default_factory=Scope)
+
+
+def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager[str], CaptureSettings]:
+    """Draw a mystery: its number, a simulated board that hides something, given `more` options, and how it is captured."""
+    seed = secrets.randbelow(SEEDS)
+    board = simulated_board(seed, MYSTERY_SPEED, False, *more, module=BOARD)
+    return seed, board, simulated_capture(settings, f"mystery {seed}", MYSTERY_SPEED)
 
 
 class CaptureRun(CaptureObserver):
