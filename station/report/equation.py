@@ -28,10 +28,11 @@ def equation(found: Findings) -> list[Part]:
         return []
     judged = compared.judged
     fit = judged.stated(judged.fit)
-    letters = _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
+    right = "0" if fit.windows[0].force is None else "f(t)/m"
+    letters = _typeset_equation(f"{fit.model.equation.removesuffix(' = 0')} = {right}")
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
-        Equation((letters, _numbers(fit))),
+        Equation((letters, _numbers(fit, right))),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
@@ -61,12 +62,7 @@ def caution(compared: Compared) -> str:
     )
 
 
-def _right_side(fit: Fit) -> str:
-    """Write the right side of the equation of motion: zero, or a recorded force per unit mass."""
-    return " = 0" if fit.windows[0].force is None else " = f(t)/m"
-
-
-def _numbers(fit: Fit) -> str:
+def _numbers(fit: Fit, right: str) -> str:
     """Return the equation with the values in place of the parameters, rounded to their errors."""
     terms = []
     for term in fit.model.forces:
@@ -77,7 +73,7 @@ def _numbers(fit: Fit) -> str:
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
-    return _typeset_equation("u'' + " + " + ".join(terms) + _right_side(fit))
+    return _typeset_equation(f"u'' + {' + '.join(terms)} = {right}")
 
 
 def _typeset_equation(text: str) -> str:

@@ -159,7 +159,6 @@ class ScopePanel:
                 widgets.button(
                     "Cancel", lambda: self._run.cancel() if self._run else None, "Cancel the capture"
                 )
-            self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
             with ui.element("div").classes("scope-row"):
                 widgets.chart("scope", "Live scope", "scope")
                 with ui.element("div").classes("scope-fields"):
@@ -203,6 +202,5 @@ class ScopePanel:
         self._what.text = begun(now.sentence)
         lost = f" {now.lost} samples lost so far; they are asked for again." if now.lost else ""
         self._more.text = typeset(f"{now.detail}{lost}")
-        self._bar.value = now.recorded
         self._levels.content = part("levels", now.levels)
         run(f"bench.scope({json.dumps(asdict(now.scope))})")

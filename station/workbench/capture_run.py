@@ -149,7 +149,6 @@ class Progress:
     detail: str = ""
     levels: tuple[Level, ...] = ()
     lost: int = 0
-    recorded: float = 0.0
     finished: bool = False
     problem: str = ""
     verdict: Verdict | None = None
@@ -186,7 +185,6 @@ class CaptureRun(CaptureObserver):
         self._trace = ScopeTrace(settings)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
-        self._recording_since = 0.0
         self._ended = False
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
         self._thread.start()
@@ -210,8 +208,6 @@ class CaptureRun(CaptureObserver):
         """Note where it stands."""
         if name != "sealed":
             self._go_on()
-        if name == "recording" and self.now.state != name:
-            self._recording_since = time.monotonic()
         self._trace.state(name)
         self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
 
@@ -226,9 +222,7 @@ class CaptureRun(CaptureObserver):
         for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
             factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
-        seconds = time.monotonic() - self._recording_since
-        share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
-        self.now = replace(self.now, levels=tuple(levels), recorded=share, scope=self._trace.scope())
+        self.now = replace(self.now, levels=tuple(levels), scope=self._trace.scope())
 
     def loss(self, gap: Gap) -> None:
         """Note a loss."""
