@@ -95,9 +95,10 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     return part("viewer", f"/viewer/index.html?url={recording}&hide_welcome_screen=1&theme={theme}")
 
 
-def report(settings: Settings, say: Say, folder: Path) -> None:
-    """Write the report of a session."""
+def report(settings: Settings, say: Say, folder: Path) -> str:
+    """Write the report of a session; return the way to it as HTML."""
     from station.report.write import write_report
 
     say("writing the report")
     write_report(Session.open(folder), settings=settings, progress=say)
+    return part("report", f"/report/{quote(folder.name, safe='')}")

@@ -1,8 +1,6 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
-import asyncio
 import time
-from urllib.parse import quote
 
 from nicegui import background_tasks, ui
 
@@ -21,9 +19,8 @@ from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.statements import switched_off
-from station.workbench.waiting import BusyLine, TellingPanel, Waiting
+from station.workbench.waiting import BusyLine, TellingPanel
 from station.workbench.widgets import run
-from station.workbench.worker import Failed
 
 TICK_S = 0.05
 SLOW_S = 0.4
@@ -79,8 +76,8 @@ class Page:
         self._head_tabs.classes("head-tabs").on_value_change(self._open_tab).set_visibility(False)
         if self._session is not None and self._key is not None:
             SessionMenu(self._state, self._session, self._key)
-            self._writing = Waiting(self._state.workers)
-            self._report = widgets.line().props("aria-live=polite")
+            with widgets.line().props("aria-live=polite"):
+                self._report = TellingPanel(self._session, further_tasks.report, "gathering")
             widgets.button("Report", self._write_report, "Write the report of this session")
         widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
@@ -142,22 +139,8 @@ class Page:
                     await self._viewer.open(self._state.temporary, self._host, dark)
 
     async def _write_report(self) -> None:
-        """Write the report, and offer it."""
-        if self._session is None or self._writing.busy:
-            return
-        self._report.clear()
-        folder = self._session.folder
-        try:
-            await self._writing.do("gathering", str(folder), further_tasks.report, folder)
-        except asyncio.CancelledError:
-            return
-        except Failed as failure:
-            with self._report:
-                widgets.label(str(failure), "small bad wrap")
-        else:
-            with self._report:
-                link = ui.link("Open the report", f"/report/{quote(self._key or '', safe='')}", new_tab=True)
-                link.classes("small strong").style("color: var(--accent)")
+        if self._session is not None:
+            await self._report.open(anew=True)
 
     def _turn_theme(self) -> None:
         run("bench.turnTheme()")

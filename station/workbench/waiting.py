@@ -63,32 +63,28 @@ class Waiting:
             self._job.cancel()
 
 
-class TellingPanel:
+class TellingPanel(Waiting):
     """What a function of a worker tells of a session, empty until it is opened; `doing` says what it does meanwhile."""
 
     def __init__(self, session: SessionState, what: Callable[..., Told | str], doing: str) -> None:
+        super().__init__(session.workers)
         self._session, self._what, self._doing = session, what, doing
-        self._waiting = Waiting(session.workers)
         self._wanted: object = None
         self._body = widgets.html("told")
 
-    async def open(self, *arguments: object) -> None:
-        """Show what is told with `arguments`, unless that is shown already of the session as it stands."""
+    async def open(self, *arguments: object, anew: bool = False) -> None:
+        """Show what is told with `arguments`, unless that is shown already of the session as it stands, or under way."""
         view, folder = self._session.view, self._session.folder
         wanted = (None if view is None else view.stamp, arguments)
-        if wanted == self._wanted:
+        if wanted == self._wanted and (self.busy or not anew):
             return
-        self._waiting.cancel()
-        self._wanted = wanted
+        self.cancel()
+        self._wanted, self._body.content = wanted, "" if anew else self._body.content
         try:
             told = (folder, self._what, *arguments)
-            self._body.content = await self._waiting.do(self._doing, str(folder), telling.tell, *told)
+            self._body.content = await self.do(self._doing, str(folder), telling.tell, *told)
         except (asyncio.CancelledError, Failed) as failure:
             if self._wanted == wanted:
                 self._wanted = None
                 said = str(failure) or "Cancelled; ask again to see it."
                 self._body.content = part("told", Told(said, "bad", ()))
-
-    def cancel(self) -> None:
-        """End what is under way."""
-        self._waiting.cancel()
