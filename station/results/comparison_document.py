@@ -52,8 +52,8 @@ class ComparisonDocument(Document):
     session: str
     model: ModelSummary
     error: FreeRunErrors
-    floor_percent: Number
-    noise_floor: dict[str, ChannelNoise]
+    floor_percent: Number = Field(validation_alias="force_floor")
+    noise_floor: dict[str, ChannelNoise] = Field(validation_alias="floor")
     summary: str
     cause: str
     places: list[Place]
@@ -75,7 +75,6 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
         session=compared.name,
         model=ModelSummary.of(fit, names=fit.model.names, equation=fit.model.equation),
         error=compared.error,
-        floor_percent=found.force_floor,
         model_is=compared.words,
         model_remark=compared.remark,
         pieces=compared.pieces,
@@ -84,6 +83,5 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
             "motion_percent": found.motion_error,
             "chi2": found.chi_square,
         },
-        noise_floor=dict(found.floor),
         cycles=Cycles.of(found.cycles, free_run_misfit=found.free_run_misfit),
     )
