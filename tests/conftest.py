@@ -21,7 +21,7 @@ ROOT = HERE.parent
 SLOWEST_FIRST = ("workbench", "identify", "end_to_end", "docs", "station")
 
 COMPILE = (
-    "from station.workbench.warm_up import warm_up; warm_up()",
+    "from station.workbench.tasks import warm_up; warm_up()",
     "from mocks.generate import draw; draw('stribeck_friction+mains_hum', 0.01, 1)",
 )
 """What needs most of the compiled functions; numba keeps them beside the sources, for every process after it."""

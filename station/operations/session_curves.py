@@ -8,8 +8,8 @@ from identify.effects.effect import Effect
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import Problem
-from station.results.curves import NamedCurves, diagnosed_curves
 from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_pictures import NamedCurves, diagnosed_curves
 from station.settings import Settings
 from station.story.preparation import prepare_session
 

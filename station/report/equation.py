@@ -7,12 +7,11 @@ from station.report.findings import Findings
 from station.story.compared import Compared
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
-from station.text.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
+from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
-TITLE = "The equation of motion"
 FAR = 4.0
 SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
 
@@ -22,17 +21,18 @@ CURVE = (
 )
 
 
-def equation(found: Findings) -> Section:
-    """Show the current model in letters and in numbers."""
+def equation(found: Findings) -> list[Part]:
+    """Show the current model in letters and in numbers; nothing without one."""
     compared = found.compared
     if compared is None:
-        return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
+        return []
     judged = compared.judged
     fit = judged.stated(judged.fit)
-    letters = _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
+    right = "0" if fit.windows[0].force is None else "f(t)/m"
+    letters = _typeset_equation(f"{fit.model.equation.removesuffix(' = 0')} = {right}")
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
-        Equation((letters, _numbers(fit))),
+        Equation((letters, _numbers(fit, right))),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
@@ -48,7 +48,7 @@ def equation(found: Findings) -> Section:
     doubt = caution(compared)
     if doubt:
         parts.append(Paragraph(doubt, label="Caution", strong=True))
-    return Section("equation", TITLE, tuple(parts))
+    return parts
 
 
 def caution(compared: Compared) -> str:
@@ -62,12 +62,7 @@ def caution(compared: Compared) -> str:
     )
 
 
-def _right_side(fit: Fit) -> str:
-    """Write the right side of the equation of motion: zero, or a recorded force per unit mass."""
-    return " = 0" if fit.windows[0].force is None else " = f(t)/m"
-
-
-def _numbers(fit: Fit) -> str:
+def _numbers(fit: Fit, right: str) -> str:
     """Return the equation with the values in place of the parameters, rounded to their errors."""
     terms = []
     for term in fit.model.forces:
@@ -78,7 +73,7 @@ def _numbers(fit: Fit) -> str:
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
-    return _typeset_equation("u'' + " + " + ".join(terms) + _right_side(fit))
+    return _typeset_equation(f"u'' + {' + '.join(terms)} = {right}")
 
 
 def _typeset_equation(text: str) -> str:

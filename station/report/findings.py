@@ -15,13 +15,11 @@ from station.operations.current_model import model_of_step
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
 from station.operations.record_floor import prepare_with_floor
-from station.operations.refining import Refinement, open_refinement
+from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
-from station.results import diagnosis_document
-from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.force_maps import NamedMaps, kept_force_maps
+from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
@@ -71,14 +69,10 @@ def gather(
             sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
             _, document = diagnose_sessions(sessions, progress=progress)
             keep(sessions, document)
-    refinement = _refinement(found, settings)
     with _or_say_why(found, "suspects", UsageProblem):
         found.diagnosis = read_diagnosis(session)
-    if refinement is not None:
-        with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
-            _draw_from(found, refinement, settings)
-        if (session.results / LADDER).is_file():
-            _take_ladder(found, refinement, settings)
+    _say_what_was_refused(found)
+    _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):
         found.manifest = session.manifest()  # last, as it knows the results that were just written
     return found
@@ -93,37 +87,38 @@ def _or_say_why(found: Findings, name: str, *refusals: type[Exception]) -> Itera
         found.left_out[name] = str(refusal)
 
 
-def _refinement(found: Findings, settings: Settings) -> Refinement | None:
-    """Open the model that the session keeps; None where it keeps nothing that can be read."""
-    results, left_out = found.session.results, found.left_out
-    kept = [(results / name).is_file() for name in (diagnosis_document.NAME, LADDER)]
-    if not kept[0]:
+def _say_what_was_refused(found: Findings) -> None:
+    result, left_out = found.identification, found.left_out
+    if result is None:
+        left_out["alignment"] = left_out["identification"]
+    else:
+        alone = {"alignment": "there is one channel only"} if result.alignment is None else {}
+        left_out |= alone | {name: why for name, why in result.refusals.items() if name != "adequacy"}
+
+
+def _take_model(found: Findings, settings: Settings) -> None:
+    """Take the ladder with the model that it began with, and what the pictures of a diagnosis are drawn from."""
+    session, document, left_out = found.session, found.diagnosis, found.left_out
+    refined = (session.results / LADDER).is_file()
+    if document is None:
         left_out.setdefault("suspects", "no diagnosis was made of this session; `station diagnose` makes one")
-    if not kept[1]:
+    if not refined:
         left_out["ladder"] = "the model was not refined in this session; `station refine` does that"
-    if not any(kept):
-        return None
+    if document is None and not refined:
+        return
     try:
-        return open_refinement(found.session, settings)
+        refinement = open_refinement(session, settings)
     except (NotIdentifiable, UsageProblem) as refusal:
-        left_out |= {
-            name: str(refusal) for name, there in zip(("force_maps", "ladder"), kept, strict=True) if there
-        }
-        return None
-
-
-def _draw_from(found: Findings, refinement: Refinement, settings: Settings) -> None:
-    """Take what the pictures of a diagnosis are drawn from."""
-    document, prepared, library = found.diagnosis, refinement.prepared, refinement.library
+        left_out |= {"ladder": str(refusal)} if refined else {}
+        left_out |= {"force_maps": str(refusal)} if document is not None else {}
+        return
+    prepared, library, ladder = refinement.prepared, refinement.library, refinement.ladder
     if document is not None:
-        found.maps = kept_force_maps(document, prepared, library)
-        found.curves = kept_curves(found.session, prepared, document, library, settings)
-
-
-def _take_ladder(found: Findings, refinement: Refinement, settings: Settings) -> None:
-    """Take the ladder, and compare the model that it began with."""
-    ladder = found.ladder = refinement.ladder
-    if ladder.present > 0 and found.compared is not None:
-        first = model_of_step(ladder.steps[0], refinement.library)
-        mass = found.options.mass
-        found.first = compared_with(found.session, settings, first, refinement.prepared, mass)
+        with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
+            found.maps = kept_force_maps(document, prepared, library)
+            found.curves = kept_curves(session, prepared, document, library, settings)
+    if refined:
+        found.ladder = ladder
+        if ladder.present > 0 and found.compared is not None:
+            first = model_of_step(ladder.steps[0], library)
+            found.first = compared_with(session, settings, first, prepared, found.options.mass)

@@ -1,14 +1,13 @@
 """The first page, for a customer: what was measured, one verdict, a picture, and values with the whole of their error."""
 
-from dataclasses import dataclass
 from datetime import UTC
 
 from identify.fitting.fit import Fit
 from identify.formatting import decimals_for, plain_name
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
-from station.story.budget import Budget, budget, calibration_of
-from station.story.engineering_values import EngineeringValue, engineering_values
+from station.story.budget import budget, calibration_of
+from station.story.engineering_values import engineering_values
 from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
 from station.text.layout import sentence
@@ -23,19 +22,9 @@ COVERS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Explaining:
-    """The model that explains the record: its name, its fit, and its residual in words."""
-
-    words: str
-    fit: Fit
-    left: str
-
-
 def first_page(found: Findings) -> Told:
     """Put the first page together: the verdict, in brief what was measured, and the parts of the result."""
-    model = explaining(found)
-    verdict = sentence(_nothing_explains(found)) if model is None else _explained(model)
+    fit, verdict = _explaining(found) or (None, sentence(_nothing_explains(found)))
     parts: list[Part] = []
     if found.compared is not None:
         caption = (
@@ -45,12 +34,12 @@ def first_page(found: Findings) -> Told:
             caption = f"{caption[:-1]}, before ({found.first.words}) and after ({found.compared.words}); the scales differ."
         shown = [(c.words, c.baseline.fit) for c in (found.first, found.compared) if c is not None]
         parts.append(Figure(caption, front(shown)))
-    if model is not None:
-        parts += [_values(model.fit, found), Paragraph(COVERS)]
+    if fit is not None:
+        parts += [_values(fit, found), Paragraph(COVERS)]
         aligned = None if found.identification is None else found.identification.alignment
         doubt = "" if aligned is None else scale_doubt(aligned.gain)
         parts += [Paragraph(doubt)] if doubt else []
-    return Told(verdict, "bad" if model is None else "good", _measured(found), tuple(parts))
+    return Told(verdict, "bad" if fit is None else "good", _measured(found), tuple(parts))
 
 
 def _measured(found: Findings) -> tuple[Part, ...]:
@@ -88,8 +77,8 @@ def mass_words(found: Findings) -> str:
     return f"{with_error(mass, std)} {name}" if std else f"{mass:g} {name} (its uncertainty was not stated)"
 
 
-def explaining(found: Findings) -> Explaining | None:
-    """Choose the model that explains the record: the current one, else the identified one; None without."""
+def _explaining(found: Findings) -> tuple[Fit, str] | None:
+    """Choose the model that explains the record, the current one, else the identified one, and say so; None without."""
     current, adequate = found.compared, None
     if found.identification is not None:
         adequate = found.identification.adequacy
@@ -98,22 +87,17 @@ def explaining(found: Findings) -> Explaining | None:
     if current is not None and current.judged.at_floor:
         judged, error = current.judged, current.error
         left = residual_words(error.motion_percent, error.chi_square)
-        return Explaining(current.words, judged.stated(judged.fit), left)
+        return _explained(current.words, judged.stated(judged.fit), left)
     if adequate is not None and adequate.adequate:
         left = residual_words(adequate.motion_percent, adequate.chi_square)
-        return Explaining("the identified model", adequate.fit, left)
+        return _explained("the identified model", adequate.fit, left)
     return None
 
 
-def _explained(model: Explaining) -> str:
-    return (
-        f"{sentence(model.words).rstrip('.')} explains the measurement: {_names(model.fit)}. Its residual is {model.left}, "
-        "which is noise."
-    )
-
-
-def _names(fit: Fit) -> str:
-    return " + ".join(plain_name(name) for name in fit.model.names)
+def _explained(words: str, fit: Fit, left: str) -> tuple[Fit, str]:
+    names = " + ".join(plain_name(name) for name in fit.model.names)
+    said = f"{sentence(words).rstrip('.')} explains the measurement: {names}. Its residual is {left}, which is noise."
+    return fit, said
 
 
 def _nothing_explains(found: Findings) -> str:
@@ -147,19 +131,12 @@ def _values(fit: Fit, found: Findings) -> Table:
     rows = []
     for one in engineering_values(fit, mass, std):
         parts = budget(one, calibration, share, length)
-        rows.append((one.name, *_with_parts(one, parts)))
+        value, unit = with_error(one.value.value, parts.readings), typeset_unit(one.value.unit) or "1"
+        shares = [_part(part, NOT_STATED) for part in (parts.calibration, parts.mass)]
+        total = UNKNOWN if parts.total is None else f"± {_two(parts.total)}"
+        rows.append((one.name, value, unit, *shares, total))
     head = ("quantity", "value ± readings and clock", "unit", "calibration", "mass", "total")
     return Table("", head, tuple(rows))
-
-
-def _with_parts(one: EngineeringValue, parts: Budget) -> tuple[str, ...]:
-    value = one.value.value
-    return (
-        with_error(value, parts.readings),
-        typeset_unit(one.value.unit) or "1",
-        *(_part(part, NOT_STATED) for part in (parts.calibration, parts.mass)),
-        UNKNOWN if parts.total is None else f"± {_two(parts.total)}",
-    )
 
 
 def _part(error: float | None, missing: str) -> str:

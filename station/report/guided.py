@@ -1,5 +1,7 @@
 """The documents at the end of a guided test: one report, and one campaign of all its releases."""
 
+from types import SimpleNamespace
+
 from daq.session import Session
 from daq.storage import write_whole
 from station.campaign.kept import Kept
@@ -23,17 +25,11 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
         return document
     kept = Kept(test.folder / FOLDER)
     sources = find_sources((str(test.folder),), test.settings)
-    campaign(sources, Request(test.settings), LocalCrew(1), kept, _Silent())
+    unseen = dict.fromkeys(("kept", "done", "failed"), lambda *_: None)  # the table has the reasons
+    campaign(sources, Request(test.settings), LocalCrew(1), kept, SimpleNamespace(**unseen))
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
     report = write_report(session, test.folder / REPORT, settings=test.settings)
     whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
     write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
     return whole
-
-
-class _Silent:
-    def kept(self, name: str, reason: str = "") -> None:
-        """Say nothing: the table has the reason."""
-
-    done = failed = kept

@@ -1,27 +1,50 @@
-"""The sections of the loop: the suspects with what is not distinguishable, and the ladder."""
+"""The sections of results: where the current model fails, the suspects, the ladder, and both identifications."""
 
 from station.report.findings import Findings
+from station.results.diagnosis_pictures import NamedCurves
+from station.story.compared import Compared
 from station.story.preparation import length_unit
-from station.text import ladder_text
-from station.text.content import Figure, Paragraph, Part, Section, Table, facts, left_out
+from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
+from station.text.content import Figure, Paragraph, Part, Table, facts
 from station.text.curves_text import curves_caption
-from station.text.diagnosis_text import parameters, shown_suspects, told
-from station.text.numbers import typeset
-from station.views import diagnosis_figures as draw
-
-SUSPECTS = "Suspects: which effect is missing"
-LADDER = "The ladder: the residual, step by step"
+from station.text.numbers import typeset, with_unit
+from station.views import comparison_figures, diagnosis_figures, identification_figures
+from station.views.palette import PAPER, Look
 
 
-def suspects(found: Findings) -> Section:
-    """Show the verdict of the diagnosis, the suspects in order, and the forces that they would add."""
+def comparison(found: Findings) -> tuple[Part, ...]:
+    """Say and draw where the current model fails; nothing without one."""
+    return () if found.compared is None else where_it_fails(found.compared)
+
+
+def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
+    """Say and draw where a model fails, in the colours of a look."""
+    words = comparison_text.told(compared)
+    figures = (
+        Figure(
+            "The force that the model lacks over the phase plane (+ and −: beyond 3 standard errors), and its "
+            "sections with 2 standard errors.",
+            comparison_figures.phase_plane(compared.comparison, look),
+        ),
+        Figure(
+            "Measured less model, cycle by cycle, with 2 standard errors.",
+            comparison_figures.cycles(compared.comparison, look),
+        ),
+    )
+    return (*words.brief, *words.more[:-1], *figures, *words.more[-1:])
+
+
+def suspects(found: Findings) -> list[Part]:
+    """Show the verdict of the diagnosis, the suspects in order, and the forces that they would add; nothing without one."""
     document = found.diagnosis
     if document is None:
-        return Section("suspects", SUSPECTS, (left_out(found.left_out["suspects"]),))
-    words = told(document, full=True)
+        return []
+    words = diagnosis_text.told(document, full=True)
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=words.headline, strong=True)]
     parts += words.brief
-    meant = tuple((s.effect, s.title, parameters(s)) for s in shown_suspects(document))
+    meant = tuple(
+        (s.effect, s.title, diagnosis_text.parameters(s)) for s in diagnosis_text.shown_suspects(document)
+    )
     if meant:
         parts.append(Table("", ("effect", "what it is", "values"), meant, texts=3))
     if found.maps:
@@ -29,32 +52,70 @@ def suspects(found: Findings) -> Section:
             "The force that the model lacks over the cycle (0°: farthest out), and what the best suspects would add. "
             "The right one looks like the first picture."
         )
-        parts.append(Figure(caption, draw.force_maps(found.maps, length_unit(found.recording))))
+        parts.append(Figure(caption, diagnosis_figures.force_maps(found.maps, length_unit(found.recording))))
     elif "force_maps" in found.left_out:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     if found.curves is not None:
-        parts.append(
-            Figure(
-                curves_caption(found.curves.names, found.curves.curves),
-                draw.curves(found.curves.curves, found.curves.names),
-            )
-        )
+        parts.append(curves_of(found.curves))
     shape = document.shape
     if shape is not None and shape.curves:
         caption = (
             f"The missing force in free form; it explains {100 * shape.explained:.0f} % of the residual."
         )
-        parts.append(Figure(caption, draw.shape(shape.curves[0])))
+        parts.append(Figure(caption, diagnosis_figures.shape(shape.curves[0])))
     known = document.suspects[0].confusable_with if document.named and document.suspects else []
     confused = f"{', '.join(known)}; a record of another kind separates them" if known else ""
-    parts += [*words.more[1:], *facts([("easily confused", confused)])]
-    return Section("suspects", SUSPECTS, tuple(parts))
+    return [*parts, *words.more[1:], *facts([("easily confused", confused)])]
 
 
-def ladder(found: Findings) -> Section:
-    """Show the residual from the first model to the current one, and the noise."""
+def ladder(found: Findings) -> list[Part]:
+    """Show the residual from the first model to the current one, and the noise; nothing without a ladder."""
     if found.ladder is None:
-        return Section("ladder", LADDER, (left_out(found.left_out["ladder"]),))
+        return []
     words = ladder_text.told(found.ladder)
     why = [Paragraph(words.headline)] if found.ladder.stopped_because else []
-    return Section("ladder", LADDER, (*why, *words.brief, *words.more))
+    return [*why, *words.brief, *words.more]
+
+
+def curves_of(found: NamedCurves, look: Look = PAPER) -> Figure:
+    """Draw the curves of sessions with the laws of their diagnosis."""
+    caption = curves_caption(found.names, found.curves)
+    return Figure(caption, diagnosis_figures.curves(found.curves, found.names, look))
+
+
+def methods(found: Findings) -> list[Part]:
+    """Put both methods side by side; what was refused says why. Nothing where nothing was identified."""
+    result = found.identification
+    if result is None:
+        return []
+    why = facts(identification_text.reasons(result))
+    if result.wavelet is None and result.restoring_force is None:
+        return [*why]
+    words = Paragraph(identification_text.told("This release", result).headline, strong=True)
+    force, length = result.restoring_force, result.decay.unit
+    offset = (
+        "" if force is None else f"{force.source}; constant force per unit mass {with_unit(force.offset)}"
+    )
+    parts: list[Part] = [
+        words,
+        identification_text.methods_table(result),
+        *why,
+        *facts([("force from", offset)]),
+    ]
+    if result.wavelet is not None:
+        caption = (
+            "Envelope on the ridge with its fit, instantaneous frequency (where it can be trusted), and backbone. "
+            "A frequency that stays level means a linear stiffness."
+        )
+        parts.append(
+            Figure(caption, identification_figures.envelope(result.wavelet, length, result.release.time_s))
+        )
+    caption = (
+        "Residual against the order of damping (circle: the order chosen), and significance of the terms."
+    )
+    parts.append(Figure(caption, identification_figures.orders(result)))
+    if force is not None:
+        parts.append(
+            Figure("Sections of the restoring force surface.", identification_figures.sections(force, length))
+        )
+    return parts

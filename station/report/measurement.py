@@ -1,11 +1,13 @@
-"""The first three sections: the set-up with its calibration, the capture with its verdict, the alignment."""
+"""The sections on the record: set-up with calibration, capture with verdict, alignment, and the software that was used."""
 
+import platform
 from datetime import UTC
+from importlib.metadata import PackageNotFoundError, version
 
 from daq.recording import Channel
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
-from station.text.content import Facts, Figure, Paragraph, Part, Section, Table, facts
+from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
@@ -13,8 +15,10 @@ from station.text.numbers import scale, three_figures, typeset_unit, with_error
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
 
+PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
-def setup(found: Findings) -> Section:
+
+def setup(found: Findings) -> list[Part]:
     """Say what was tested, by whom, with which sensors and calibrations."""
     info, recording = found.session.info, found.recording
     board = info.board
@@ -35,7 +39,7 @@ def setup(found: Findings) -> Section:
         tuple(_channel(found, channel) for channel in recording.channels),
         texts=5,
     )
-    return Section("setup", "Set-up and calibration", (*facts(rows), table))
+    return [*facts(rows), table]
 
 
 def _sampling(found: Findings) -> str:
@@ -62,7 +66,7 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
     )
 
 
-def capture(found: Findings) -> Section:
+def capture(found: Findings) -> list[Part]:
     """Show the record, the verdict on it, what was lost, the noise and the release."""
     parts: list[Part] = [_verdict(found)]
     result = found.identification
@@ -84,8 +88,7 @@ def capture(found: Findings) -> Section:
     time = result.release.time_s if free and result is not None else None
     shaded = " Flagged samples are shaded." if flags else ""
     figure = record(found.recording, time, flags)
-    parts.append(Figure(f"{caption} Lost samples are left blank.{shaded}", figure))
-    return Section("capture", "Capture and verdict", tuple(parts))
+    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
 
 
 def _ended(reason: str) -> str:
@@ -131,15 +134,12 @@ def _release(found: Findings) -> list[tuple[str, str]]:
     return rows
 
 
-def alignment(found: Findings) -> Section:
+def alignment(found: Findings) -> list[Part]:
     """State the lag between the channels, and the error that it would have caused."""
     result = found.identification
-    parts: list[Part] = []
     if result is None or result.alignment is None:
-        reason = found.left_out.get("alignment", "")
-        parts.append(Paragraph(f"The channels were not aligned: {_ended(reason)}"))
-        return Section("alignment", "Alignment of the channels", tuple(parts))
-    parts += facts(
+        return [Paragraph(f"The channels were not aligned: {_ended(found.left_out['alignment'])}")]
+    said = facts(
         (
             ("lag", sentence(lag_words(result))),
             ("method", f"{result.alignment.method}; no law of force is used"),
@@ -147,7 +147,31 @@ def alignment(found: Findings) -> Section:
         )
     )
     picture = picture_of_lag(result)
-    if picture is not None:
-        caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
-        parts.append(Figure(caption, picture))
-    return Section("alignment", "Alignment of the channels", tuple(parts))
+    caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
+    return [*said, *([] if picture is None else [Figure(caption, picture)])]
+
+
+def provenance(found: Findings) -> list[Part]:
+    """List versions and the checksums of every file that the manifest knows, the report's own aside."""
+    rows = [("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")]
+    rows += [(name, _version(name)) for name in PACKAGES]
+    parts: list[Part] = [Facts(tuple(rows))]
+    if found.manifest is None:
+        parts.append(Paragraph(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
+    else:
+        files = sorted(found.manifest.files.items())
+        table = tuple(
+            (name, str(file.size), file.sha256) for name, file in files if not name.endswith(".html")
+        )
+        parts.append(
+            Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
+        )
+        parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
+    return parts
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed as a package"

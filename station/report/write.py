@@ -8,20 +8,32 @@ from pathlib import Path
 from daq.session import Session
 from daq.storage import write_whole
 from station.report.equation import equation
-from station.report.failure import comparison
 from station.report.findings import Findings, gather
 from station.report.first_page import first_page
-from station.report.loop import ladder, suspects
-from station.report.measurement import alignment, capture, setup
-from station.report.methods import methods
-from station.report.provenance import provenance
+from station.report.loop import comparison, ladder, methods, suspects
+from station.report.measurement import alignment, capture, provenance, setup
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
+from station.text.content import Section, left_out
 from station.views.figure import inked
 from station.views.palette import PAPER
 
 NAME = "report.html"
-SECTIONS = (comparison, suspects, ladder, equation, setup, capture, alignment, methods, provenance)
+SECTIONS = (
+    ("comparison", "The current model, compared with the measurement", comparison),
+    ("suspects", "Suspects: which effect is missing", suspects),
+    ("ladder", "The ladder: the residual, step by step", ladder),
+    ("equation", "The equation of motion", equation),
+    ("setup", "Set-up and calibration", setup),
+    ("capture", "Capture and verdict", capture),
+    ("alignment", "Alignment of the channels", alignment),
+    ("methods", "Appendix: identification by two methods", methods),
+    ("provenance", "Software and checksums", provenance),
+)
+"""The anchor of each, its title, and what makes its parts: none where it is left out."""
+
+RESTS_ON = {"equation": "comparison", "methods": "identification"}
+"""By whose reason a section is left out that has none of its own."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +71,12 @@ def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
     from jinja2 import Environment, StrictUndefined
 
-    _reasons(found)
     with inked(PAPER):
-        front, sections = first_page(found), tuple(make(found) for make in SECTIONS)
+        front, made = first_page(found), {name: make(found) for name, _, make in SECTIONS}
+    sections = [
+        Section(name, title, tuple(made[name]) or (left_out(found.left_out[RESTS_ON.get(name, name)]),))
+        for name, title, _ in SECTIONS
+    ]
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -74,16 +89,3 @@ def rendered(found: Findings) -> str:
         sections=sections,
         left_out=sorted(found.left_out.items()),
     )
-
-
-def _reasons(found: Findings) -> None:
-    """Note what the identification refused."""
-    if found.identification is None:
-        reason = found.left_out["identification"]
-        found.left_out["alignment"] = reason
-        return
-    for step, reason in found.identification.refusals.items():
-        if step in ("alignment", "wavelet", "restoring_force"):
-            found.left_out[step] = reason
-    if found.identification.alignment is None:
-        found.left_out.setdefault("alignment", "there is one channel only")

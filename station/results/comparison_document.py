@@ -1,6 +1,6 @@
 """A comparison as a document: what `--json` prints and `results/comparison.json` keeps."""
 
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
 from station.results.documents import (
     ChannelNoise,
@@ -32,11 +32,9 @@ class Place(Part):
 class Cycles(Part):
     """The errors cycle by cycle: amplitudes in the unit of the displacement, energies per unit mass."""
 
-    time_s: Numbers = Field(validation_alias=AliasChoices("time_s", "time"))
+    time_s: Numbers = Field(validation_alias="time")
     amplitude: Numbers
-    frequency_error_percent: Numbers = Field(
-        validation_alias=AliasChoices("frequency_error_percent", "frequency_error")
-    )
+    frequency_error_percent: Numbers = Field(validation_alias="frequency_error")
     frequency_error_std: Numbers
     energy_error: Numbers
     energy_error_std: Numbers
@@ -54,8 +52,8 @@ class ComparisonDocument(Document):
     session: str
     model: ModelSummary
     error: FreeRunErrors
-    floor_percent: Number
-    noise_floor: dict[str, ChannelNoise]
+    floor_percent: Number = Field(validation_alias="force_floor")
+    noise_floor: dict[str, ChannelNoise] = Field(validation_alias="floor")
     summary: str
     cause: str
     places: list[Place]
@@ -75,9 +73,8 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
         found,
         format=1,
         session=compared.name,
-        model=ModelSummary.of(fit, effects=fit.model.names, equation=fit.model.equation),
+        model=ModelSummary.of(fit, names=fit.model.names, equation=fit.model.equation),
         error=compared.error,
-        floor_percent=found.force_floor,
         model_is=compared.words,
         model_remark=compared.remark,
         pieces=compared.pieces,
@@ -86,6 +83,5 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
             "motion_percent": found.motion_error,
             "chi2": found.chi_square,
         },
-        noise_floor=dict(found.floor),
         cycles=Cycles.of(found.cycles, free_run_misfit=found.free_run_misfit),
     )

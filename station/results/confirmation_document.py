@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import AliasChoices, Field
+from pydantic import AliasPath, Field
 
 from identify.curves.confirmation import Confirmation
 from identify.curves.held_out import HeldOut
@@ -14,9 +14,9 @@ AMPLITUDES = ("large amplitudes", "middle amplitudes", "small amplitudes")
 class PredictionErrors(Part):
     """Errors of a prediction, in % of the motion: of the envelope, of the phase, and of both together."""
 
-    envelope_percent: Number = Field(validation_alias=AliasChoices("envelope_percent", "envelope"))
-    phase_percent: Number = Field(validation_alias=AliasChoices("phase_percent", "phase"))
-    motion_percent: Number = Field(validation_alias=AliasChoices("motion_percent", "motion"))
+    envelope_percent: Number = Field(validation_alias="envelope")
+    phase_percent: Number = Field(validation_alias="phase")
+    motion_percent: Number = Field(validation_alias="motion")
 
 
 class PartErrors(PredictionErrors):
@@ -39,10 +39,10 @@ class ConfirmedEffectDocument(Part):
     """
 
     name: str
-    title: str
+    title: str = Field(validation_alias=AliasPath("term", "effect", "title"))
     explains: Literal["frequency", "loss"]
-    before_percent: Number = Field(validation_alias=AliasChoices("before_percent", "before"))
-    after_percent: Number = Field(validation_alias=AliasChoices("after_percent", "after"))
+    before_percent: Number = Field(validation_alias="before")
+    after_percent: Number = Field(validation_alias="after")
     better: int
     parts: int
     rivals: list[str]
@@ -71,9 +71,9 @@ class ConfirmationDocument(Part):
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
     """Make the document of a confirmation on some sessions."""
     names = _names(found, sessions)
-    effects = [ConfirmedEffectDocument.of(one, title=one.term.effect.title) for one in found.effects]
-    usual, with_effects = _errors(found.usual, names), _errors(found.found, names)
-    return ConfirmationDocument.of(found, usual=usual, found=with_effects, effects=effects)
+    return ConfirmationDocument.of(
+        found, usual=_errors(found.usual, names), found=_errors(found.found, names)
+    )
 
 
 def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
@@ -93,4 +93,4 @@ def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
 def _errors(held: HeldOut, names: tuple[str, ...]) -> PredictedErrors:
     by_part = [PartErrors.of(one, part=name) for name, one in zip(names, held.predicted, strict=True)]
     kinds = {kind: held.typical(kind) for kind in ("envelope", "phase", "motion")}
-    return PredictedErrors.model_validate(kinds | {"by_part": by_part})
+    return PredictedErrors(by_part=by_part, **kinds)

@@ -13,7 +13,6 @@ from identify.diagnosis.next_release import NextRelease
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Verdict
 from identify.fitting.baseline import Baseline
-from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.model_error import errors_of
 from identify.fitting.validation import LeftOut
 from identify.model.model import Model
@@ -113,7 +112,6 @@ def diagnosis_document(
         confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],
         confirmation=None if confirmation is None else confirmation_document(confirmation, names),
         suspects=[_suspect(suspect, found, expressions) for suspect in in_order(found)],
-        findings=[_finding(fault) for fault in found.findings],
         error_with_named=errors_of(replace(baseline, fit=found.final)),
         held_out=None
         if left_out is None
@@ -196,18 +194,12 @@ def _used(names: tuple[str, ...], found: Diagnosis) -> list[UsedDocument]:
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> SuspectDocument:
-    confirmation = found.confirmation
-    name = suspect.effect.name
-    is_fitted = name in suspect.fit.model
+    confirmation, name = found.confirmation, suspect.effect.name
     asked = confirmation is not None and confirmation.has_law(name)
     return SuspectDocument.of(
         suspect,
-        effect=name,
-        title=suspect.effect.title,
-        channel=suspect.term.channel or None,
-        model=model_file(suspect.stated, expressions) if is_fitted else None,
+        model=model_file(suspect.stated, expressions) if name in suspect.fit.model else None,
         confirmed=suspect.confirmed is not None if asked else None,
-        motion_percent=suspect.motion_after,
     )
 
 
@@ -225,14 +217,3 @@ def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | N
         return None
     best = chosen.best
     return NextReleaseDocument.of(chosen, nats=best.nats, scatter=best.scatter, **vars(best.experiment))
-
-
-def _finding(fault: CorrectedFault) -> FindingDocument:
-    effect = fault.term.effect
-    return FindingDocument.of(
-        fault,
-        effect=effect.name,
-        title=effect.title,
-        channel=fault.term.channel or None,
-        what_to_do=effect.confirming_test,
-    )

@@ -1,11 +1,20 @@
 """The parts of a diagnosis as a document."""
 
-from pydantic import AliasChoices, Field
+from typing import Annotated
+
+from pydantic import AliasPath, BeforeValidator, Field
 
 from identify.effects.effect import Kind
 from identify.preprocessing.record_use import End
 from station.results.documents import ChannelNoise, EstimateDocument, Number, Numbers, Part
 from station.results.models import ModelFile
+
+Channel = Annotated[
+    str | None,
+    BeforeValidator(lambda name: name or None),
+    Field(validation_alias=AliasPath("term", "channel")),
+]
+"""The channel at fault, None for a force."""
 
 
 class ChannelFloor(ChannelNoise):
@@ -44,10 +53,10 @@ class SuspectDocument(Part):
     with it leaves of the motion, `error_after` the same as chi2.
     """
 
-    effect: str
-    title: str
+    effect: str = Field(validation_alias=AliasPath("effect", "name"))
+    title: str = Field(validation_alias=AliasPath("effect", "title"))
     kind: Kind
-    channel: str | None
+    channel: Channel
     error_after: Number
     evidence: Number
     parameters: dict[str, EstimateDocument]
@@ -57,18 +66,18 @@ class SuspectDocument(Part):
     model: ModelFile | None
     confirmed: bool | None = None
     rivals: list[str] = Field(default_factory=list)
-    motion_percent: Number = None
+    motion_percent: Number = Field(None, validation_alias="motion_after")
     strength_known: bool = True
 
 
 class FindingDocument(Part):
     """A sensor's fault that every fit corrects, and that ought to be mended; `words` say what was found, in a clause."""
 
-    effect: str
-    title: str
-    channel: str | None
+    effect: str = Field(validation_alias=AliasPath("term", "effect", "name"))
+    title: str = Field(validation_alias=AliasPath("term", "effect", "title"))
+    channel: Channel
     parameters: dict[str, EstimateDocument]
-    what_to_do: str
+    what_to_do: str = Field(validation_alias=AliasPath("term", "effect", "confirming_test"))
     words: str = ""
 
 
@@ -78,7 +87,7 @@ class CurveDocument(Part):
     coordinate: str
     unit: str
     position: Numbers
-    force_per_mass: Numbers = Field(validation_alias=AliasChoices("force_per_mass", "force"))
+    force_per_mass: Numbers = Field(validation_alias="force")
     std: Numbers
 
 
@@ -87,14 +96,14 @@ class ShapeDocument(Part):
 
     explained: float
     coordinates: list[str]
-    curves: list[CurveDocument] = Field(validation_alias=AliasChoices("curves", "shapes"))
+    curves: list[CurveDocument] = Field(validation_alias="shapes")
 
 
 class HeldOutDocument(Part):
     """The error on one session of physics that was fitted to the others; None where the free run diverges."""
 
     session: str
-    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
+    chi2: Number = Field(validation_alias="chi_square")
     motion_percent: Number
 
 
@@ -135,7 +144,7 @@ class UsedDocument(Part):
 class ModeDocument(Part):
     """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
 
-    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    frequency_hz: Number = Field(validation_alias="frequency")
     percent: Number
     channel: str
     words: str
@@ -186,7 +195,7 @@ class SharesDocument(Part):
 
     amplitude: Number
     unit: str
-    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    frequency_hz: Number = Field(validation_alias="frequency")
     effects: list[EffectShareDocument]
 
 

@@ -4,7 +4,7 @@ import math
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
-from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from daq.errors import StorageError
 from daq.session import Session
@@ -29,21 +29,30 @@ Number = Annotated[float | None, BeforeValidator(_finite)]
 Numbers = Annotated[list[Number], BeforeValidator(_as_list)]
 
 
-def _names(own: str, alias: object) -> list[Any]:
-    return alias.choices if isinstance(alias, AliasChoices) else [own]
+class _Result:
+    """A result with `others` beside its own attributes."""
+
+    def __init__(self, result: object, others: dict[str, Any]) -> None:
+        self._result, self._others = result, others
+
+    def __getattr__(self, name: str) -> Any:
+        return self._others[name] if name in self._others else getattr(self._result, name)
 
 
 class Part(BaseModel):
-    """A part of a document, made of the fields of a result; what another version added is passed over."""
+    """A part of a document, made of the fields of a result; what another version added is passed over.
 
-    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, coerce_numbers_to_str=True)
+    Where a result has a field under another name, that is the `validation_alias`; a file has it under its own.
+    """
+
+    model_config = ConfigDict(
+        extra="ignore", frozen=True, from_attributes=True, coerce_numbers_to_str=True, validate_by_name=True
+    )
 
     @classmethod
     def of(cls, result: object, **others: Any) -> Self:
-        """Make a part of the fields that a result has under the same names, or under their aliases, and of the `others`."""
-        names = [name for own, field in cls.model_fields.items() if own not in others
-                 for name in _names(own, field.validation_alias) if hasattr(result, name)]  # fmt: skip
-        return cls.model_validate({name: getattr(result, name) for name in names} | others)
+        """Make a part of the fields of a result, and of the `others`."""
+        return cls.model_validate(_Result(result, others))
 
     def plain(self) -> dict[str, Any]:
         """Return the keys and values that `--json` prints."""
@@ -77,7 +86,7 @@ class Errors(Part):
 
     force_mse_percent: Number = None
     motion_percent: Number = None
-    chi2: Number = Field(None, validation_alias=AliasChoices("chi2", "chi_square"))
+    chi2: Number = Field(None, validation_alias="chi_square")
 
     @property
     def times_noise(self) -> float:
@@ -93,14 +102,14 @@ class Errors(Part):
 class FreeRunErrors(Errors):
     """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
 
-    chi2_std: Number = Field(None, validation_alias=AliasChoices("chi2_std", "floor_std"))
+    chi2_std: Number = Field(None, validation_alias="floor_std")
     horizon_s: Number = None
 
 
 class ModelSummary(Part):
     """A model with its values."""
 
-    effects: list[str] = Field(validation_alias=AliasChoices("names", "effects"))
+    effects: list[str] = Field(validation_alias="names")
     equation: str
     parameters: dict[str, EstimateDocument]
 

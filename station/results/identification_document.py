@@ -1,7 +1,7 @@
 """An identification as a document: what `--json` prints and `results/identification.json` keeps."""
 
 import numpy as np
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
 from station.results.documents import Document, EstimateDocument, Number, Part
 from station.story.identification import Identification
@@ -13,14 +13,14 @@ NAME = "identification.json"
 class RecordDocument(Part):
     """What was recorded; the noise of each channel is its standard deviation, None without that channel."""
 
-    rate_hz: float = Field(validation_alias=AliasChoices("rate_hz", "rate"))
+    rate_hz: float = Field(validation_alias="rate")
     samples: int
     lost_samples: int
     channels: list[str]
     unit: str
-    mass_kg: float | None = Field(validation_alias=AliasChoices("mass_kg", "mass"))
-    mass_std_kg: float | None = Field(validation_alias=AliasChoices("mass_std_kg", "mass_std"))
-    rate_std_hz: float | None = Field(None, validation_alias=AliasChoices("rate_std_hz", "rate_std"))
+    mass_kg: float | None = Field(validation_alias="mass")
+    mass_std_kg: float | None = Field(validation_alias="mass_std")
+    rate_std_hz: float | None = Field(None, validation_alias="rate_std")
     noise: dict[str, Number]
 
 
@@ -39,7 +39,7 @@ class ReleaseDocument(Part):
 class AlignmentDocument(Part):
     """By how much the displacement is late, and the gain between the channels."""
 
-    lag_s: EstimateDocument = Field(validation_alias=AliasChoices("lag_s", "lag"))
+    lag_s: EstimateDocument = Field(validation_alias="lag")
     gain: EstimateDocument
     method: str
     caution: str
@@ -78,8 +78,8 @@ class AdequacyDocument(Part):
     """Whether the identified model explains its record: its residual, and how well methods and clock agree."""
 
     effects: list[str]
-    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
-    chi2_std: Number = Field(validation_alias=AliasChoices("chi2_std", "chi_square_std"))
+    chi2: Number = Field(validation_alias="chi_square")
+    chi2_std: Number = Field(validation_alias="chi_square_std")
     motion_percent: Number
     adequate: bool
     quotable: bool
@@ -93,7 +93,7 @@ class OrdersDocument(Part):
 
     max_order: int
     stiffness_orders: list[int]
-    chosen: bool = Field(validation_alias=AliasChoices("chosen", "orders_chosen"))
+    chosen: bool = Field(validation_alias="orders_chosen")
 
 
 class IdentificationDocument(Document):

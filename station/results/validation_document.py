@@ -1,6 +1,6 @@
 """A validation as a document: what `validate --json` prints and each session keeps as `results/validation.json`."""
 
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
 from identify.fitting.validation import UsualFrom, Validation, ValidationVerdict
 from station.results.documents import Document, Number, Part
@@ -17,8 +17,8 @@ class PredictionDocument(Part):
     """
 
     motion_percent: Number
-    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
-    varied_percent: dict[str, Number] = Field(validation_alias=AliasChoices("varied_percent", "varied"))
+    chi2: Number = Field(validation_alias="chi_square")
+    varied_percent: dict[str, Number] = Field(validation_alias="varied")
 
 
 class ValidatedDocument(Part):

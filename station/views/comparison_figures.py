@@ -10,7 +10,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Picture, curve, figure, literal, points, zero_lines
+from station.views.figure import Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -28,9 +28,10 @@ def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None
     factor, name = scale(channel, window.unit)
     measured = np.where(window.used[channel], window.readings[channel], np.nan)
     model = fit.predicted[0][channel] * factor
-    shown = {"color": look.broad, "lw": 2.4, "solid_capstyle": "round"}
-    curve(axis, window.clock, measured * factor, label="measured", **shown)
-    curve(axis, window.clock, model, label="model", color=look.model, lw=0.8)
+    axis.plot(
+        window.clock, measured * factor, label="measured", color=look.broad, lw=2.4, solid_capstyle="round"
+    )
+    axis.plot(window.clock, model, label="model", color=look.model, lw=0.8)
     axis.set_ylabel(literal(f"{channel}\n[{name}]"))
     axis.legend(loc="upper right", ncols=2)
     axis.margins(y=0.16)
@@ -47,7 +48,7 @@ def residual(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
     axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=look.faint, lw=0.5, ls=":")
-    curve(axis, window.clock, left * fine, color=look.residual, lw=0.7)
+    axis.plot(window.clock, left * fine, color=look.residual, lw=0.7)
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 

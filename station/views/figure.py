@@ -5,8 +5,6 @@ import re
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from identify.arrays import Array
 from station.text.numbers import typeset
 from station.views.palette import PAPER, Look
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH = 6.9
-MOST_POINTS = 900
 _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
@@ -46,6 +43,7 @@ STYLE: dict[Any, Any] = {
     "ytick.labelsize": 8,
     "font.size": 8.5,
     "lines.linewidth": 1.0,
+    "path.simplify_threshold": 0.3,  # points: a long record has far more samples than can be seen
     "legend.fontsize": 8,
     "legend.frameon": False,
     "svg.fonttype": "none",
@@ -106,27 +104,6 @@ def figure(
 def literal(text: str) -> str:
     """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
     return typeset(text).replace("$", r"\$")
-
-
-def thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """Thin a curve to `MOST_POINTS` points that keep the extremes of every stretch; holes stay holes."""
-    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
-    size = -(-len(time) // (MOST_POINTS // 2))
-    if size <= 2:
-        return time, values
-    kept = []
-    for first in range(0, len(time), size):
-        block = values[first : first + size]
-        if np.isfinite(block).any():
-            kept += sorted({first + int(np.nanargmin(block)), first + int(np.nanargmax(block))})
-        else:
-            kept.append(first)
-    return time[kept], values[kept]
-
-
-def curve(axis: "Axes", time: Array, values: Array, **how: Any) -> None:
-    """Draw a curve, thinned to what can be seen."""
-    axis.plot(*thinned(time, values), **how)
 
 
 def zero_lines(axis: "Axes", look: Look) -> None:

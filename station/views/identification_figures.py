@@ -13,7 +13,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded, three_figures
-from station.views.figure import Picture, curve, figure, literal, points, zero_lines
+from station.views.figure import Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def record(
     time = np.arange(recording.samples.shape[1]) / recording.rate - begin
     for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
         factor, label = scale_as_recorded(channel.quantity, channel.unit)
-        curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=look.ink, lw=0.7)
+        axis.plot(time, np.where(recording.valid, samples, np.nan) * factor, color=look.ink, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
@@ -56,13 +56,13 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     time = found.time - release
     factor, name = scale("displacement", length)
     drawn, (top, backbone, below) = figure(PAPER, 3.9, "ab;cb", width_ratios=[2.2, 1])
-    curve(top, time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
-    curve(top, time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
+    top.plot(time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
+    top.plot(time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
     top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
     top.set_ylim(bottom=0)
     top.legend(loc="upper right")
     frequency = np.where(found.trusted, found.frequency, np.nan)
-    curve(below, time, frequency, color=PAPER.ink, lw=0.9)
+    below.plot(time, frequency, color=PAPER.ink, lw=0.9)
     middle, half = frequency_reach(found)
     below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())

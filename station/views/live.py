@@ -11,7 +11,7 @@ from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 from station.text.numbers import scale_as_recorded
 from station.views import log, palette
-from station.views.viewer import HOST, free_ports, start, wait_for
+from station.views.viewer import HOST, free_port, start, wait_for
 
 APPLICATION = "free-decay-station-live"  # of its own: the viewer keeps one layout for each application
 ROOT = "/live"
@@ -86,7 +86,7 @@ class LiveViewer:
     """A viewer window for one capture, with a `view` to give to it; stays open afterwards."""
 
     def __init__(self, rate: float) -> None:
-        (port,) = free_ports(1)
+        port = free_port()
         self.url = f"rerun+http://{HOST}:{port}/proxy"
         start("--port", str(port), "--hide-welcome-screen")
         wait_for(port)

@@ -24,37 +24,24 @@ TIMELINE = "time"
 
 
 def curves(
-    stream: rr.RecordingStream, title: str, path: str, time: Array, lines: Mapping[str, Line]
-) -> rrb.View:
-    """Log curves over the record's time in s, each under its key."""
-    for key, line in lines.items():
-        _series(stream, f"{path}/{key}", time, line)
-    return over_time(title, f"{path}/**")
-
-
-def curve(
     stream: rr.RecordingStream,
     title: str,
     path: str,
     time: Array,
-    values: Array,
-    colour: Colour,
+    lines: Mapping[str, Line],
     between: tuple[float, float] | None = None,
 ) -> rrb.View:
-    """Log one curve over the record's time in s; the title carries its unit in place of a legend."""
-    _series(stream, path, time, (title, values, colour, 1.5))
-    return over_time(title, path, legend=False, between=between)
-
-
-def _series(stream: rr.RecordingStream, path: str, time: Array, line: Line) -> None:
-    name, values, colour, width = line
-    style = rr.SeriesLines(colors=colour, names=typeset(name), widths=width, aggregation_policy="MinMax")
-    stream.log(path, style, static=True)
-    stream.send_columns(
-        path,
-        indexes=[rr.TimeColumn(TIMELINE, duration=np.asarray(time, dtype=np.float64))],
-        columns=rr.Scalars.columns(scalars=np.asarray(values, dtype=np.float64)),
-    )
+    """Log curves over the record's time in s, each under its key; a curve alone has none, and the title for a legend."""
+    for key, (name, values, colour, width) in lines.items():
+        place = f"{path}/{key}".rstrip("/")
+        style = rr.SeriesLines(colors=colour, names=typeset(name), widths=width, aggregation_policy="MinMax")
+        stream.log(place, style, static=True)
+        stream.send_columns(
+            place,
+            indexes=[rr.TimeColumn(TIMELINE, duration=np.asarray(time, dtype=np.float64))],
+            columns=rr.Scalars.columns(scalars=np.asarray(values, dtype=np.float64)),
+        )
+    return over_time(title, f"{path}/**", legend=len(lines) > 1, between=between)
 
 
 def over_time(

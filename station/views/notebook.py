@@ -12,7 +12,7 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
-from station.results.force_maps import MOST, force_maps
+from station.results.diagnosis_pictures import MOST, force_maps
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER

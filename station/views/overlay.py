@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from identify.arrays import Array
 from station.story.identification import Identification
@@ -61,36 +60,29 @@ def _period(result: Identification) -> float:
     return float(2 * np.pi / np.sqrt(found.stiffness.value / (result.decay.mass or 1.0)))
 
 
-def about_zero(result: Identification, seen: Overlay) -> tuple[Array, NDArray[np.bool_]] | None:
-    """Return the time (ms) about a zero of the acceleration one period after the release, and which samples are near.
+def alignment(result: Identification, look: Look = PAPER) -> Picture | None:
+    """Draw both channels as accelerations about a zero one period after the release, as recorded and with the lag corrected.
 
-    None where there is none.
+    None without both channels, or such a zero.
     """
-    rate = result.decay.rate
+    seen, rate = overlay(result), result.decay.rate
+    if seen is None or result.alignment is None:
+        return None
     period = _period(result) or 10 / rate
     later = np.flatnonzero(seen.time > result.release.settle / rate + period)
     crossings = np.flatnonzero(np.diff(np.sign(seen.acceleration[later])) > 0)
     if not len(crossings):
         return None
     time = seen.time - seen.time[later[crossings[0]]]
-    return time * 1e3, np.abs(time) < max(NEAR * period, 4 / rate)
-
-
-def alignment(result: Identification, look: Look = PAPER) -> Picture | None:
-    """Draw both channels as accelerations about a zero, as recorded and with the lag corrected; None where not both."""
-    seen = overlay(result)
-    found = None if seen is None or result.alignment is None else about_zero(result, seen)
-    if seen is None or result.alignment is None or found is None:
-        return None
-    ms, near = found
-    gain = result.alignment.gain.value
+    near = np.abs(time) < max(NEAR * period, 4 / rate)
+    ms, gain = time[near] * 1e3, result.alignment.gain.value
     drawn, axes = figure(look, 2.1, 1, 2, sharey=True)
     for axis, second, title in zip(
         axes, (seen.before, seen.after), ("as recorded", "lag corrected"), strict=True
     ):
-        axis.plot(ms[near], seen.acceleration[near], "o-", color=look.second, ms=4, label="acceleration")
+        axis.plot(ms, seen.acceleration[near], "o-", color=look.second, ms=4, label="acceleration")
         axis.plot(
-            ms[near], gain * second[near], "x--", color=look.model, ms=4.5,
+            ms, gain * second[near], "x--", color=look.model, ms=4.5,
             label="displacement, twice\ndifferentiated",
         )  # fmt: skip
         axis.set(title=title, xlabel="time about a zero of the acceleration [ms]")

@@ -71,7 +71,8 @@ DARK = Look(
     paper="#171c23",
     force="managua",
 )
-"""Of the workbench's page, in the colours of its style sheet."""
+PAGE = {True: DARK, False: LIGHT}
+"""Of the workbench's page, by whether that is dark, in the colours of its style sheet."""
 
-VIEWERS = {True: replace(DARK, paper="#0d1011"), False: LIGHT}
-"""Of a picture in the viewer, by whether that is dark; the paper is the viewer's own ground."""
+VIEWERS = PAGE | {True: replace(DARK, paper="#0d1011")}
+"""Of a picture in the viewer; the paper is the viewer's own ground."""

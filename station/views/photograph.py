@@ -9,7 +9,7 @@ from typing import Any
 from rerun.experimental import ViewerClient
 
 from station.exits import Problem
-from station.views.viewer import HOST, free_ports, start, wait_for
+from station.views.viewer import HOST, free_port, start, wait_for
 
 PAINT_S = 12.0
 ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers, or chromium, which brings one)"
@@ -46,32 +46,28 @@ def _photographs(file: Path, folder: Path, size: str) -> list[Path]:
 
 
 def _tabs(layout: dict[str, Any]) -> dict[str, str]:
-    """Return the names of the outermost tabs by their paths."""
-    parts = {path: part.get("ContainerBlueprint", {}) for path, part in layout.items()}
-    inner = {f"/{one}" for part in parts.values() for one in _contents(part)}
-    for path, part in parts.items():
-        if part.get("container_kind") == "Tabs" and path not in inner:
+    """Return the names of the outermost tabs, each a container or a single view, by their paths."""
+    inside = {
+        path: [found]
+        if isinstance(found := part["ContainerBlueprint"].get("contents", []), str)
+        else list(found)
+        for path, part in layout.items()
+        if "ContainerBlueprint" in part
+    }
+    inner = {f"/{one}" for contents in inside.values() for one in contents}
+    for path, contents in inside.items():
+        if layout[path]["ContainerBlueprint"].get("container_kind") == "Tabs" and path not in inner:
+            parts = [layout.get(f"/{one}", {}) for one in contents]
+            named = [part.get("ContainerBlueprint") or part.get("ViewBlueprint") or {} for part in parts]
             return {
-                one: _name(layout.get(f"/{one}", {})) or f"tab {number}"
-                for number, one in enumerate(_contents(part))
+                one: str(part.get("display_name", one)) for one, part in zip(contents, named, strict=True)
             }
     raise Problem("the recording has no tabs to take pictures of")
 
 
-def _contents(part: dict[str, Any]) -> list[str]:
-    found = part.get("contents", [])
-    return [found] if isinstance(found, str) else list(found)
-
-
-def _name(part: dict[str, Any]) -> str:
-    """Read the name of a tab: it is a container, or a single view."""
-    blueprint = part.get("ContainerBlueprint") or part.get("ViewBlueprint") or {}
-    return str(blueprint.get("display_name", ""))
-
-
 @contextlib.contextmanager
 def _viewer(size: str) -> Iterator[ViewerClient]:
-    (port,) = free_ports(1)
+    port = free_port()
     process = start(
         "--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen", more=_driver()
     )

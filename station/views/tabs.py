@@ -26,7 +26,8 @@ def capture(stream: rr.RecordingStream, look: Look, name: str, result: Identific
         if recorded is not None:
             factor, unit = scale(channel, decay.unit)
             title, shown = f"{channel.capitalize()} as recorded [{unit}]", np.where(kept, recorded, np.nan)
-            views.append(log.curve(stream, title, f"/capture/{channel}", decay.time, shown * factor, colour))
+            line = (title, shown * factor, colour, 1.5)
+            views.append(log.curves(stream, title, f"/capture/{channel}", decay.time, {"": line}))
     facts = f"# {name}\n\n{markdown(told(name, result).brief[:1])}"
     return rrb.Horizontal(
         rrb.Vertical(*views, _states(stream, result), row_shares=[4.0] * len(views) + [1.2]),
@@ -105,7 +106,8 @@ def wavelet(stream: rr.RecordingStream, look: Look, name: str, result: Identific
         "measured": (f"ridge [{unit}]", found.envelope * factor, palette.MEASURED, 4.0),
         "model": (f"fit [{unit}]", found.envelope_fit * factor, palette.WAVELET, 1.5),
     }
-    frequency = np.where(found.trusted, found.frequency, np.nan)
+    trusted = np.where(found.trusted, found.frequency, np.nan)
+    shown = ("Instantaneous frequency [Hz]", trusted, palette.WAVELET, 1.5)
     middle, half = figures.frequency_reach(found)
     pictures = (
         log.picture(stream, "Scalogram and ridge", "/wavelet/scalogram", figures.scalogram(found, look)),
@@ -114,10 +116,7 @@ def wavelet(stream: rr.RecordingStream, look: Look, name: str, result: Identific
     return rrb.Vertical(
         rrb.Horizontal(*pictures, column_shares=[7.2, 4.2]),
         log.curves(stream, f"Envelope [{unit}]", "/wavelet/envelope", found.time, envelope),
-        log.curve(
-            stream, "Instantaneous frequency [Hz]", "/wavelet/frequency", found.time, frequency,
-            palette.WAVELET, (middle - half, middle + half),
-        ),
+        log.curves(stream, shown[0], "/wavelet/frequency", found.time, {"": shown}, (middle - half, middle + half)),
         row_shares=[1.35, 1, 0.8],
         name="Wavelet",
     )  # fmt: skip
@@ -164,8 +163,8 @@ def _rebuilt(
         "measured": (f"measured [{unit}]", measured * factor, palette.MEASURED, 4.5),
         "model": (f"model [{unit}]", model * factor, colour, 1.5),
     }
-    title = f"{what.capitalize()}: measured less model [{fine_unit}]"
+    left = (f"{what.capitalize()}: measured less model [{fine_unit}]", (measured - model) * fine, colour, 1.5)
     return [
         log.curves(stream, f"{what.capitalize()}: measurement and model", path, time, lines),
-        log.curve(stream, title, f"{path}_error", time, (measured - model) * fine, colour),
+        log.curves(stream, left[0], f"{path}_error", time, {"": left}),
     ]

@@ -1,10 +1,12 @@
-"""The viewer itself: opened on a file where there is a screen, found where one is open already."""
+"""The viewer itself: opened on a file, found where one is open already, or its files unpacked for a browser."""
 
 import os
+import re
 import socket
 import subprocess
 import sys
 import time
+import urllib.request
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -16,6 +18,10 @@ PORT = 9876
 VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
+
+FILES = ("index.html", "re_viewer.js", "re_viewer_bg.wasm", "favicon.ico")
+OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
+"""Fonts from elsewhere: a policy would block the sheet, but not the connection that is opened ahead."""
 
 
 def has_screen() -> bool:
@@ -53,16 +59,11 @@ def open_viewer(file: Path) -> None:
     start(str(file), "--port", "auto")
 
 
-def free_ports(count: int) -> list[int]:
-    """Return ports of this computer on which nobody listens."""
-    sockets = [socket.socket() for _ in range(count)]
-    try:
-        for one in sockets:
-            one.bind((HOST, 0))
-        return [one.getsockname()[1] for one in sockets]
-    finally:
-        for one in sockets:
-            one.close()
+def free_port() -> int:
+    """Return a port of this computer on which nobody listens."""
+    with socket.socket() as one:
+        one.bind((HOST, 0))
+        return int(one.getsockname()[1])
 
 
 def answers(host: str, port: int) -> bool:
@@ -98,3 +99,24 @@ def url_or_new() -> str | None:
         return found
     start("--port", str(PORT), "--hide-welcome-screen")
     return open_url() if wait_for(PORT) else None
+
+
+def unpack(folder: Path) -> None:
+    """Write the viewer's files into a folder; Problem when they cannot be had.
+
+    The viewer holds them inside its program: it is asked to serve them on 127.0.0.1 for the moment that takes.
+    """
+    port = free_port()
+    process = start("--serve-web", "--web-viewer-port", str(port), "--port", "auto")
+    try:
+        wait_for(port)
+        for name in FILES:
+            address = f"http://{HOST}:{port}/{'' if name == 'index.html' else name}"
+            with urllib.request.urlopen(address, timeout=START_S) as answer:
+                content = answer.read()
+            (folder / name).write_bytes(OUTSIDE.sub(b"", content) if name.endswith(".html") else content)
+    except OSError as error:
+        raise Problem(f"the Rerun viewer did not give its files ({error})") from error
+    finally:
+        process.terminate()
+        process.wait(timeout=10)

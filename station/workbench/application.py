@@ -1,18 +1,20 @@
-"""The web application: NiceGUI behind the guard, with the page, its style and its script."""
+"""The web application: NiceGUI behind the guard, with the page, its style and script, and the files opened beside it."""
 
 from pathlib import Path
 
 from fastapi import FastAPI, Request
 from nicegui import app as nicegui_app
 from nicegui import background_tasks, ui
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
+from station.operations.identifying import VIEW
+from station.report.write import NAME
 from station.settings import Settings
 from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
 from station.workbench.page import Page
-from station.workbench.served_files import serve_files
 from station.workbench.session_list import SessionList
-from station.workbench.warm_up import warm_up
+from station.workbench.tasks import warm_up
 from station.workbench.worker import WorkerPool
 
 STATIC = Path(__file__).parent / "static"
@@ -23,6 +25,21 @@ ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#00659e"/>'
     '<path d="M3 16C6 2 8 2 11 16s4 9 6 0 3-5 5 0 3 2 7 0" fill="none" stroke="#fff" stroke-width="2"/></svg>'
 )
+
+TYPES = {
+    "index.html": "text/html",
+    "re_viewer.js": "text/javascript",
+    "re_viewer_bg.wasm": "application/wasm",
+    "favicon.ico": "image/x-icon",
+}
+WITH_COOKIE = (
+    "<script>const ask = window.fetch; "
+    "window.fetch = (what, how) => ask(new Request(what, {...how, credentials: 'same-origin'}))</script>"
+)
+"""The viewer asks for a recording without cookies, and so without the token that the guard wants to see."""
+
+POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:"
+"""A report runs no script and belongs to no origin, whoever wrote the file."""
 
 
 def make(
@@ -61,3 +78,30 @@ def make(
         reconnect_timeout=10.0,
     )
     return app, state
+
+
+def serve_files(app: FastAPI, viewer: Path, session_list: SessionList) -> None:
+    """Let the application serve the viewer's files out of the folder `viewer`, and results of the sessions on offer."""
+
+    @app.get("/report/{key}")
+    def report(key: str) -> Response:
+        file = session_list.result_of(key, NAME)
+        if file is None:
+            return PlainTextResponse("there is no report of this session yet\n", 404)
+        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": POLICY})
+
+    @app.get("/viewer/recording/{stamp}/{name}")
+    def recording(stamp: int, name: str) -> Response:
+        file = session_list.result_of(name.removesuffix(".rrd"), VIEW)
+        if file is None:
+            return PlainTextResponse("no such recording\n", 404)
+        return FileResponse(file, media_type="application/octet-stream")
+
+    @app.get("/viewer/{name}")
+    def part(name: str) -> Response:
+        if name not in TYPES or not (viewer / name).is_file():
+            return PlainTextResponse("no such file\n", 404)
+        if name == "index.html":
+            page = (viewer / name).read_text(encoding="utf-8").replace("<head>", f"<head>{WITH_COOKIE}", 1)
+            return HTMLResponse(page)
+        return FileResponse(viewer / name, media_type=TYPES[name])

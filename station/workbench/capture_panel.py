@@ -1,28 +1,31 @@
-"""Left, the capture: a port, a large Arm button, and what came of it. While it runs the scope has the middle."""
+"""A release is recorded: on the left a port, a large Arm button and what came of it; in the middle, meanwhile, the scope."""
 
 import asyncio
-import secrets
+import json
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import asdict
+from functools import partial
+from typing import Any
 
-from nicegui import ui
+from nicegui import events, ui
 
+from daq.capture import CaptureSettings
 from daq.errors import StationError
 from station.exits import Problem
+from station.operations.new_session import capture_settings, session_info
 from station.text.layout import sentence
+from station.text.numbers import typeset
 from station.workbench import widgets
 from station.workbench.app_state import AppState
-from station.workbench.capture_run import CaptureRun, Progress
-from station.workbench.parts import part
+from station.workbench.capture_run import CaptureRun, Progress, mystery
+from station.workbench.parts import begun, part
 from station.workbench.session_list import address_of
+from station.workbench.widgets import run
 
 TICK_S = 0.1
-MYSTERIES = 1000
-MYSTERY_KG = 21.36
-"""Of the simulated bench."""
-
-MYSTERY_SPEED = 2.0
+KINDS = {"armed": "floor", "recording": "preview"}
+TEXTS = {"name": "Name of the session", "specimen": "Specimen", "operator": "Operator"}
 
 
 class CapturePanel:
@@ -78,43 +81,28 @@ class CapturePanel:
         self._say(*(lines or [none]))
 
     def _start(self) -> None:
-        port = str(self._port.value or "").strip()
-        if port:
-            self._record(nullcontext(port), self._mass.value or None, self._duration.value)
-        else:
+        settings, port = self._state.settings, str(self._port.value or "").strip()
+        if not port:
             self._say(("choose the port of the board, or let Find look for it", "bad"))
+            return
+        try:
+            info = session_info(settings, self._mass.value or None)
+            wanted = capture_settings(settings, info, duration=self._duration.value)
+        except (StationError, Problem, ValueError) as error:
+            self._say((str(error).splitlines()[0], "bad"))
+        else:
+            self._record(nullcontext(port), wanted, "release")
 
     def solve_mystery(self) -> None:
         """Record a simulated board that hides something, as if it stood on the bench."""
-        from station.operations.simulated_board import simulated_board
+        seed, board, wanted = mystery(self._state.settings)
+        self._record(board, wanted, f"mystery_{seed}")
 
-        seed = secrets.randbelow(MYSTERIES)
-        board = simulated_board(seed, MYSTERY_SPEED, False, module="mocks.mystery")
-        self._record(board, MYSTERY_KG, None, seed)
-
-    def _record(
-        self,
-        board: AbstractContextManager[str],
-        mass: float | None,
-        duration: float | None,
-        mystery: int | None = None,
-    ) -> None:
-        from station.operations.new_session import capture_settings, session_info
-
+    def _record(self, board: AbstractContextManager[str], wanted: CaptureSettings, prefix: str) -> None:
         if self.busy():
             ui.notify("another tab is recording: this click started nothing", type="warning")
             return
-        settings = self._state.settings
-        try:
-            info = session_info(settings, mass, None, None if mystery is None else f"mystery {mystery}")
-            wanted = capture_settings(settings, info, duration=duration)
-        except (StationError, Problem, ValueError) as error:
-            self._say((str(error).splitlines()[0], "bad"))
-            return
-        if mystery is not None:
-            wanted = replace(wanted, check_clock=False)
-        prefix = "release" if mystery is None else f"mystery_{mystery}"
-        self._own = self._state.capturing = CaptureRun(board, wanted, settings.sessions, prefix)
+        self._own = self._state.capturing = CaptureRun(board, wanted, self._state.settings.sessions, prefix)
         self._began(self._own)
 
     def _tick(self) -> None:
@@ -153,3 +141,66 @@ class CapturePanel:
 def _key(now: Progress) -> str:
     """Name the session that a capture made; "" where it made none."""
     return "" if now.session is None else now.session.name
+
+
+class ScopePanel:
+    """Shown in the tab that records; it opens the session when that is sealed."""
+
+    def __init__(self) -> None:
+        self._run: CaptureRun | None = None
+        self._shown: Progress | None = None
+        self._panel = ui.element("section").classes("scope-panel").props('aria-label="The scope"')
+        with self._panel:
+            with ui.element("div").classes("statement").props("aria-live=assertive") as self._statement:
+                self._count = widgets.label("", "big")
+                with ui.element("div").classes("grow"):
+                    self._what = widgets.label("", "what")
+                    self._more = widgets.label("", "more")
+                widgets.button(
+                    "Cancel", lambda: self._run.cancel() if self._run else None, "Cancel the capture"
+                )
+            with ui.element("div").classes("scope-row"):
+                widgets.chart("scope", "Live scope", "scope")
+                with ui.element("div").classes("scope-fields"):
+                    widgets.head("Write down meanwhile")
+                    for key, label in TEXTS.items():
+                        field = ui.input(label, on_change=partial(self._note, key))
+                        field.props("dense outlined autocomplete=off")
+                    widgets.number("Mass, kg").on_value_change(partial(self._note, "mass_kg"))
+                    widgets.label("Kept with the recording when it is sealed.", "small faint wrap")
+            self._levels = widgets.html("card tight")
+        self._panel.set_visibility(False)
+        ui.timer(TICK_S, self._tick)
+
+    def _note(self, key: str, written: events.ValueChangeEventArguments[Any]) -> None:
+        if self._run is not None:
+            self._run.written[key] = written.value or None
+
+    def follow(self, capture: CaptureRun) -> None:
+        """Show a capture from now on."""
+        self._run = capture
+        self._panel.set_visibility(True)
+
+    @property
+    def visible(self) -> bool:
+        """Whether the panel has the middle."""
+        return bool(self._panel.visible)
+
+    def _tick(self) -> None:
+        if self._run is None or self._run.now is self._shown:
+            return
+        now = self._shown = self._run.now
+        if now.finished:
+            self._run = None
+            self._panel.set_visibility(False)
+            if now.session is not None and not now.problem:
+                ui.navigate.to(address_of(now.session.name))
+            return
+        self._statement.props["data-kind"] = KINDS.get(now.state, "film")
+        left = now.scope.left_s
+        self._count.text = "" if left is None else f"{left:.1f} s"
+        self._what.text = begun(now.sentence)
+        lost = f" {now.lost} samples lost so far; they are asked for again." if now.lost else ""
+        self._more.text = typeset(f"{now.detail}{lost}")
+        self._levels.content = part("levels", now.levels)
+        run(f"bench.scope({json.dumps(asdict(now.scope))})")

@@ -1,5 +1,6 @@
-"""One capture under way: in a thread of its own, watched by every tab, and ended on request."""
+"""One capture under way: in a thread of its own, watched by every tab with its live scope, and ended on request."""
 
+import secrets
 import threading
 import time
 from contextlib import AbstractContextManager
@@ -8,18 +9,121 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StationError
 from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
+from daq.rest_detection import primary, smallest_motion
+from daq.trigger import TIMES_NOISE, TIMES_RESOLUTION
 from firmware_protocol import Hello
 from station.exits import Problem
+from station.operations.mystery import BOARD, SEEDS
 from station.operations.new_session import new_folder
+from station.operations.simulated_board import simulated_board, simulated_capture
+from station.settings import Settings
 from station.text.capture_progress import STATES
-from station.text.numbers import scale_as_recorded
-from station.workbench.scope import Scope, ScopeTrace
+from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.stored_sessions import describe, rename
+
+MYSTERY_SPEED = 2.0
+SHOWN_S = 8.0
+POINTS = 300
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What the scope draws: pairs of (time in s, value) in `unit`, oldest first.
+
+    `zero`, `noise` (standard deviation at rest) and `level` (the swing that counts as a release) are in `unit`, None
+    while they are not known; `left_s` is how long the present state lasts at most.
+    """
+
+    channel: str = ""
+    unit: str = ""
+    points: tuple[tuple[float, float], ...] = ()
+    zero: float | None = None
+    noise: float | None = None
+    level: float | None = None
+    left_s: float | None = None
+
+
+class ScopeTrace:
+    """Gathers what a capture sees; `scope` is what to draw now."""
+
+    def __init__(self, settings: CaptureSettings) -> None:
+        self._settings = settings
+        self._row = 0
+        self._channel: Channel | None = None
+        self._times, self._values, self._rest = np.zeros(0), np.zeros(0), np.zeros(0)
+        self._state, self._since = "", time.monotonic()
+        self._last = self._since
+
+    def connected(self, channels: tuple[Channel, ...]) -> None:
+        """Note the channels; the one that triggers is shown."""
+        wanted = primary(channels)
+        self._row = next((i for i, c in enumerate(channels) if c.quantity == wanted), 0)
+        self._channel = channels[self._row] if channels else None
+
+    def state(self, name: str) -> None:
+        """Note where the capture stands."""
+        if name != self._state:
+            self._state, self._since = name, time.monotonic()
+
+    def block(self, samples: Array) -> None:
+        """Keep samples, shape (channels, n); they are spread over the time since the block before."""
+        if self._channel is None or samples.shape[1] == 0:
+            return
+        now, row = time.monotonic(), samples[self._row]
+        if self._state == "resting":
+            self._rest = np.append(self._rest, row)[-2000:]
+        times = np.append(self._times, np.linspace(self._last, now, len(row) + 1)[1:])
+        new = np.searchsorted(times, now - SHOWN_S)
+        self._times, self._values, self._last = times[new:], np.append(self._values, row)[new:], now
+
+    def scope(self) -> Scope:
+        """Choose the points to draw; extremes are kept where there are more samples than points."""
+        channel = self._channel
+        if channel is None:
+            return Scope()
+        factor, unit = scale_as_recorded(channel.quantity, channel.unit)
+        zero = noise = level = None
+        if len(self._rest) >= 8:
+            zero, noise = factor * float(np.median(self._rest)), factor * float(np.std(self._rest))
+            asked = self._settings.trigger_level
+            level = factor * smallest_motion(channel, asked)
+            if asked is None:
+                resolution = factor * (channel.resolution or 0.0)
+                level = max(level, TIMES_NOISE * noise, TIMES_RESOLUTION * resolution)
+        shown = _extremes(self._values)
+        times, values = self._times[shown] - self._last, self._values[shown] * factor
+        return Scope(
+            channel.name,
+            typeset(unit),
+            tuple((round(t, 3), float(f"{y:.5g}")) for t, y in zip(times, values, strict=True)),
+            zero=zero,
+            noise=noise,
+            level=level,
+            left_s=self._left(),
+        )
+
+    def _left(self) -> float | None:
+        lasts = {
+            "resting": self._settings.rest_s,
+            "armed": self._settings.trigger_timeout_s,
+            "triggered": self._settings.duration_s,
+            "recording": self._settings.duration_s,
+        }.get(self._state)
+        return None if lasts is None else max(0.0, lasts - (time.monotonic() - self._since))
+
+
+def _extremes(values: Array) -> NDArray[np.intp]:
+    """Choose samples in order: all where they are few, else the smallest and the largest of each part."""
+    if len(values) < 2 * POINTS:
+        return np.arange(len(values))
+    parts = np.array_split(np.arange(len(values)), POINTS // 2)
+    return np.unique([part[find(values[part])] for part in parts for find in (np.argmin, np.argmax)])
 
 
 @dataclass(frozen=True)
@@ -45,13 +149,19 @@ class Progress:
     detail: str = ""
     levels: tuple[Level, ...] = ()
     lost: int = 0
-    recorded: float = 0.0
     finished: bool = False
     problem: str = ""
     verdict: Verdict | None = None
     session: Path | None = None
     kept: Path | None = None
     scope: Scope = field(default_factory=Scope)
+
+
+def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager[str], CaptureSettings]:
+    """Draw a mystery: its number, a simulated board that hides something, given `more` options, and how it is captured."""
+    seed = secrets.randbelow(SEEDS)
+    board = simulated_board(seed, MYSTERY_SPEED, False, *more, module=BOARD)
+    return seed, board, simulated_capture(settings, f"mystery {seed}", MYSTERY_SPEED)
 
 
 class CaptureRun(CaptureObserver):
@@ -75,7 +185,6 @@ class CaptureRun(CaptureObserver):
         self._trace = ScopeTrace(settings)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
-        self._recording_since = 0.0
         self._ended = False
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
         self._thread.start()
@@ -99,8 +208,6 @@ class CaptureRun(CaptureObserver):
         """Note where it stands."""
         if name != "sealed":
             self._go_on()
-        if name == "recording" and self.now.state != name:
-            self._recording_since = time.monotonic()
         self._trace.state(name)
         self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
 
@@ -115,9 +222,7 @@ class CaptureRun(CaptureObserver):
         for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
             factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
-        seconds = time.monotonic() - self._recording_since
-        share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
-        self.now = replace(self.now, levels=tuple(levels), recorded=share, scope=self._trace.scope())
+        self.now = replace(self.now, levels=tuple(levels), scope=self._trace.scope())
 
     def loss(self, gap: Gap) -> None:
         """Note a loss."""

@@ -2,41 +2,35 @@
 
 from collections.abc import Callable
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from station.workbench import telling, widgets
+from station.workbench.parts import part
 from station.workbench.session_state import SessionState
-from station.workbench.telling_panel import TellingPanel
-from station.workbench.widgets import run
+from station.workbench.waiting import TellingPanel
 
 
-def say_empty(session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]) -> None:
-    """Fill the place."""
-    if session is not None and session.problem:
-        widgets.label("This recording does not allow an analysis", "strong")
-        widgets.label(session.problem, "wrap narrow")
-        widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
-        recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
+class EmptyMiddle:
+    """Seen while there is nothing to show of a session, or no session."""
 
-        async def show() -> None:
-            await recorded.open(await widgets.is_dark())
+    def __init__(
+        self, session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]
+    ) -> None:
+        self._session, self._key = session, key
+        does = {"solve": lambda _: solve_mystery(), "examples": lambda _: widgets.run("bench.toExamples()")}
+        with ui.element("div").classes("empty grow") as self.place:
+            self._words = widgets.html("contents", does)
+            if session is not None:
+                self._recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
 
-        ui.timer(0.05, show, once=True)
-    elif session is not None:
-        widgets.spinner(32)
-        widgets.label("The session is read, and the usual model fitted to it.")
-    elif key:
-        widgets.label(f"There is no session called {key}", "strong wrap")
-        widgets.label("Choose one on the left.")
-    else:
-        widgets.label(
-            "Where does the usual model of a vibration fail, and which effect does it lack?", "welcome"
-        )
-        widgets.label(
-            "Record a release from a board (arm it, then let the mass go), drop a file, or choose a session. Then: see "
-            "where the model fails, point at what it may lack, add it, and watch the error fall to the noise.",
-            "wrap narrow",
-        )
-        with widgets.line():
-            widgets.button("No board? Solve a mystery", solve_mystery, strong=True)
-            widgets.button("Open an example", lambda: run("bench.toExamples()"))
+    def show(self, visible: bool) -> None:
+        """Say how it stands, where the middle is empty."""
+        self.place.set_visibility(visible)
+        problem = "" if self._session is None else self._session.problem
+        self._words.content = part("empty", self._key, self._session is not None, problem)
+        if problem and visible:
+            background_tasks.create(self._draw())
+
+    async def _draw(self) -> None:
+        with self.place:
+            await self._recorded.open(await widgets.is_dark())

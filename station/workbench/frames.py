@@ -18,8 +18,8 @@ from station.text.numbers import scale, typeset
 from station.workbench.view_models import Drawing, Numbers
 
 MOST_POINTS = 3000
-EYE = 2000
-"""Steps over the largest value that can be seen on a screen."""
+FINE = 20_000
+"""Steps over the largest value, of which a screen shows one in ten."""
 
 RINGS, SECTORS = 10, 32
 FEWEST = 4
@@ -44,9 +44,10 @@ class Ground:
     force_scale: float
 
 
-def numbers(values: Array, quantum: float) -> Numbers:
-    """Round values to a decimal place below `quantum`; None where they are not finite."""
-    places = max(0, -math.floor(math.log10(quantum))) if quantum > 0 else 0
+def numbers(values: Array, steps: float = FINE) -> Numbers:
+    """Round values to decimals of which the largest has so many steps or more; None where they are not finite."""
+    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    places = max(0, math.ceil(math.log10(steps / largest))) if largest > 0 else 0
     return [value if math.isfinite(value) else None for value in np.round(values, places).tolist()]
 
 
@@ -78,13 +79,13 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
     codes, member = np.unique(_place(size, amplitude) * sectors + _place(angle, phase), return_inverse=True)
     factor, unit = scale("displacement", window.unit)
     stage = {
-        "time": numbers(window.clock[:: _stride(fit)], 1e-5),
+        "time": numbers(window.clock[:: _stride(fit)], 1e6),
         "velocity_per_amplitude": frequency / factor,
         "units": {"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
         "traces": [_trace(fit, channel) for channel in window.channels],
         "cycle": {
-            "rows": numbers(amplitude * factor, amplitude[-1] * factor / EYE),
-            "columns": numbers(phase, phase[-1] / EYE),
+            "rows": numbers(amplitude * factor),
+            "columns": numbers(phase),
             "cells": codes.tolist(),
         },
     }
@@ -104,7 +105,7 @@ def _trace(fit: Fit, channel: str) -> Drawing:
         "channel": channel,
         "unit": typeset(unit),
         "fine_unit": typeset(fine_unit),
-        "values": numbers(measured[:: _stride(fit)], _quantum(fit, channel)),
+        "values": numbers(measured[:: _stride(fit)]),
         "sigma": float(f"{window.sigma[channel] * fine:.4g}"),
     }
 
@@ -118,13 +119,6 @@ def _holes(fit: Fit, channel: str) -> NDArray[np.bool_]:
     hole = ~window.used[channel]
     hole[: window.lead] = False
     return hole
-
-
-def _quantum(fit: Fit, channel: str) -> float:
-    window = fit.windows[0]
-    factor, _ = scale(channel, window.unit)
-    largest = float(np.nanmax(np.abs(window.readings[channel]))) * factor
-    return min(largest / EYE / 10, window.sigma[channel] * factor / 2)
 
 
 def frame_of(ground: Ground, fit: Fit) -> Drawing:
@@ -142,18 +136,15 @@ def frame_of(ground: Ground, fit: Fit) -> Drawing:
         np.where(found.std < UNKNOWN * usual, one * ground.force_scale, np.nan)
         for one in (found.size, found.std)
     )
-    seen = usual * ground.force_scale / 100
     window, stride = fit.windows[0], _stride(fit)
     models, lefts = [], []
     for channel in window.channels:
         factor, _ = scale(channel, window.unit)
         small, _ = scale(channel, window.unit, fine=True)
         left = np.where(_holes(fit, channel), np.nan, fit.residual(channel)) * small
-        quantum = max(float(window.sigma[channel] * small) / 10, float(np.nanmax(np.abs(left))) / EYE)
-        models.append(numbers(fit.predicted[0][channel][::stride] * factor, _quantum(fit, channel)))
-        lefts.append(numbers(left[::stride], quantum))
-    cycle, cycle_std = numbers(force, seen), numbers(std, seen)
-    return {"model": models, "left": lefts, "cycle": cycle, "cycle_std": cycle_std}
+        models.append(numbers(fit.predicted[0][channel][::stride] * factor))
+        lefts.append(numbers(left[::stride]))
+    return {"model": models, "left": lefts, "cycle": numbers(force), "cycle_std": numbers(std)}
 
 
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:

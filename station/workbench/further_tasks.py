@@ -1,11 +1,11 @@
-"""The tasks of a worker other than the ladder: import, export, report, viewer, revealing."""
+"""The tasks of a worker other than the ladder and the import: export, report, viewer, examples, revealing."""
 
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 
 from daq.exporting import Exported, encode
-from daq.importing.recipe import Recipe
 from daq.recording import Array, Channel, Recording
 from daq.session import Session
 from identify.fitting.fit import Fit
@@ -14,8 +14,7 @@ from station.operations.exporting import facts_of
 from station.results.ladder import read_ladder
 from station.settings import Settings
 from station.workbench.opened_session import open_session
-from station.workbench.session_thumbnails import outline
-from station.workbench.view_models import AskedColumn, ImportQuestion
+from station.workbench.parts import part
 from station.workbench.worker import Say
 
 
@@ -71,44 +70,6 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
     return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"
 
 
-def import_file(
-    settings: Settings, say: Say, file: Path, recipe: Recipe | None, ask: bool, mass: float | None
-) -> tuple[list[str], list[str]] | ImportQuestion:
-    """Import a data file; return the names of the sessions and what was understood, or what is to be said first."""
-    from daq.importing.options import ImportOptions
-    from daq.importing.propose import Doubtful
-    from station.operations.new_session import session_info
-    from station.results.kept_recipes import look_with_kept
-    from station.results.sessions import import_file as make
-
-    say(f"reading {file.name}")
-    info = session_info(settings, mass)
-    try:
-        if ask:
-            known = look_with_kept(file, settings.sessions)[0].read().recipe
-            return _question(file, known, f"{file.name}: what the columns seem to be")
-        imported = make(file, None, settings.sessions, ImportOptions(), info, recipe)
-    except Doubtful as refusal:
-        doubts = (doubt.partition("; ")[0] for doubt in refusal.proposal.doubts)  # what to do is on the page
-        return _question(file, refusal.proposal.recipe, f"{file.name}: {'; '.join(doubts)}")
-    return [session.folder.name for session in imported.sessions], list(imported.notes)
-
-
-def _question(file: Path, recipe: Recipe, sentence: str) -> ImportQuestion:
-    from daq.importing.apply import matched
-    from daq.importing.reading import read_table
-
-    table = read_table(file, recipe)
-    found = {id(field): number for number, field in matched(table, recipe).items()}
-    columns = {column.number: column for column in table.columns}
-    asked = []
-    for field in recipe.fields:
-        column = columns[found[id(field)]]
-        first = ", ".join(f"{value:.5g}" for value in column.values[:4])
-        asked.append(AskedColumn(column.place, first, outline(column.values)[1]))
-    return ImportQuestion(sentence, recipe, tuple(asked))
-
-
 def open_example(settings: Settings, say: Say, name: str) -> str:
     """Import a recording that comes with the station, unless it is there already; return its session's name."""
     from station.operations import examples
@@ -116,25 +77,28 @@ def open_example(settings: Settings, say: Say, name: str) -> str:
     return examples.open_example(name, settings.sessions).folder.name
 
 
-def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, dark: bool) -> int:
-    """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
+def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: str, dark: bool) -> str:
+    """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
     from station.operations.identifying import identify_session, kept_options, write_view
     from station.operations.viewer_tabs import kept_tabs
-    from station.views import web_viewer
+    from station.views import viewer
 
     session = Session.open(folder)
     say("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
-    if not (temporary / web_viewer.FILES[0]).is_file():
-        web_viewer.unpack(temporary)
-    return file.stat().st_mtime_ns
+    if not (temporary / viewer.FILES[0]).is_file():
+        viewer.unpack(temporary)
+    place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one
+    recording, theme = quote(f"http://{host}/{place}", safe=""), "dark" if dark else "light"
+    return part("viewer", f"/viewer/index.html?url={recording}&hide_welcome_screen=1&theme={theme}")
 
 
-def report(settings: Settings, say: Say, folder: Path) -> None:
-    """Write the report of a session."""
+def report(settings: Settings, say: Say, folder: Path) -> str:
+    """Write the report of a session; return the way to it as HTML."""
     from station.report.write import write_report
 
     say("writing the report")
     write_report(Session.open(folder), settings=settings, progress=say)
+    return part("report", f"/report/{quote(folder.name, safe='')}")

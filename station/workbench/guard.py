@@ -9,10 +9,11 @@ no request of any kind passes without the one or the other.
 from collections.abc import Iterable
 from ipaddress import ip_address
 from secrets import compare_digest, token_urlsafe
-from urllib.parse import parse_qsl, quote, urlencode, urlsplit
+from urllib.parse import quote, urlencode, urlsplit
 
+from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
-from starlette.requests import cookie_parser
+from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -61,9 +62,9 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        headers = {key.decode("latin-1"): value.decode("latin-1") for key, value in scope["headers"]}
-        host = headers.get("host", "").lower()
-        answer = self._refusal(scope, headers, host)
+        asked = HTTPConnection(scope)
+        host = asked.headers.get("host", "").lower()
+        answer = self._refusal(asked, host)
         if answer is not None and scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": 1008})
@@ -72,27 +73,28 @@ class Guard:
         else:
             await self._app(scope, _limited(receive), _with_policy(send, host))
 
-    def _refusal(self, scope: Scope, headers: dict[str, str], host: str) -> Response | None:
+    def _refusal(self, asked: HTTPConnection, host: str) -> Response | None:
         """Return the answer to what may not pass; None to what may."""
-        if not self._known(host) or not _own_origin(headers.get("origin"), host):
+        own = (f"http://{host}", f"https://{host}")
+        if not self._known(host) or asked.headers.get("origin", own[0]).lower() not in own:
             return PlainTextResponse(OWN_PAGE, 403)
-        cookie = f"workbench-{scope['server'][1]}"  # a cookie is of a host, whatever the port
-        if not self._is_token(cookie_parser(headers.get("cookie", "")).get(cookie, "")):
-            return self._admission(scope, cookie) or PlainTextResponse(NO_TOKEN, 403)
-        length = headers.get("content-length", "0")
+        cookie = f"workbench-{asked.scope['server'][1]}"  # a cookie is of a host, whatever the port
+        if not self._is_token(asked.cookies.get(cookie, "")):
+            return self._admission(asked, cookie) or PlainTextResponse(NO_TOKEN, 403)
+        length = asked.headers.get("content-length", "0")
         if not length.isdecimal() or len(length) > 15 or int(length) > LARGEST_BODY:
             return PlainTextResponse(TOO_LARGE, 413, {"connection": "close"})
         return None
 
-    def _admission(self, scope: Scope, cookie: str) -> Response | None:
+    def _admission(self, asked: HTTPConnection, cookie: str) -> Response | None:
         """Return the cookie, and the address without its token, to who comes with the token; None to others."""
-        if scope["type"] != "http" or scope["method"] not in ("GET", "HEAD"):
+        if asked.scope.get("method") not in ("GET", "HEAD"):  # a websocket has none
             return None
-        given = parse_qsl(scope["query_string"].decode("latin-1"))
+        given = asked.query_params.multi_items()
         if not any(self._is_token(value) for name, value in given if name == "token"):
             return None
         rest = urlencode([(name, value) for name, value in given if name != "token"])
-        place = "/" + quote(scope["path"].lstrip("/\\"))
+        place = "/" + quote(asked.scope["path"].lstrip("/\\"))
         answer = RedirectResponse(f"{place}?{rest}" if rest else place, 303, {"cache-control": "no-store"})
         answer.set_cookie(cookie, self._token.decode(), httponly=True, samesite="lax")
         return answer
@@ -131,13 +133,11 @@ def _with_policy(send: Send, host: str) -> Send:
         nonlocal begun
         if message["type"] == "http.response.start":
             policy = PAGE.format(socket=f"ws://{host}", nonce=nonce)
-            message["headers"] = [
-                *message.get("headers", ()),
-                (b"content-security-policy", policy.encode("latin-1")),
-                (b"x-content-type-options", b"nosniff"),
-                (b"referrer-policy", b"no-referrer"),
-            ]
-            if dict(message["headers"]).get(b"content-type", b"").startswith(b"text/html"):
+            headers = MutableHeaders(scope=message)
+            headers["content-security-policy"] = policy
+            headers["x-content-type-options"] = "nosniff"
+            headers["referrer-policy"] = "no-referrer"
+            if headers.get("content-type", "").startswith("text/html"):
                 begun = message
                 return
         elif begun and message["type"] == "http.response.body":
@@ -145,17 +145,12 @@ def _with_policy(send: Send, host: str) -> Send:
             if message.get("more_body"):
                 return
             body = b"".join(parts).replace(b"<script", b'<script nonce="%b"' % nonce.encode())
-            length = (b"content-length", str(len(body)).encode())
-            kept = [pair for pair in begun["headers"] if pair[0] != b"content-length"]
-            await send({**begun, "headers": [*kept, length]})
+            MutableHeaders(scope=begun)["content-length"] = str(len(body))
+            await send(begun)
             message = {**message, "body": body}
         await send(message)
 
     return with_policy
-
-
-def _own_origin(origin: str | None, host: str) -> bool:
-    return origin is None or origin.lower() in (f"http://{host}", f"https://{host}")
 
 
 def _is_address(name: str) -> bool:

@@ -1,9 +1,9 @@
 """A guided test on the page: limits once, then what to release and why, and odds that move from release to release."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from nicegui import ui
@@ -15,18 +15,18 @@ from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from station.exits import Problem
 from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
-from station.operations.mystery import BOARD
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
 from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES
 from station.text.diagnosis_text import headline
-from station.text.guide_text import ENDINGS, gave, odds_before, odds_of, percent, to_do
+from station.text.guide_text import ENDINGS, gave, odds_of, to_do
 from station.text.layout import sentence
 from station.workbench import widgets
-from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
+from station.workbench.capture_run import mystery
 from station.workbench.parts import part
 
 TICK_S = 0.2
@@ -37,8 +37,8 @@ _SHOWN = 5
 class GuideNow:
     """Where a guided test stands: what to do, why, how the capture goes, and the last verdict.
 
-    `gave` is the evidence that the last release gave, beside what was expected of it; `odds` has for each explanation
-    words, its title, and how probable it is.
+    `gave` is the evidence that the last release gave, beside what was expected of it; `hypotheses` have their odds after it,
+    `before` those before it, by title.
     """
 
     to_do: str = ""
@@ -46,17 +46,17 @@ class GuideNow:
     capture: str = "asking the board"
     verdict: str = ""
     gave: str = ""
-    odds: tuple[tuple[str, str, float], ...] = ()
+    hypotheses: list[HypothesisDocument] = field(default_factory=list)
+    before: Mapping[str, float] = field(default_factory=dict)
     finished: bool = False
 
 
 class GuideRun(CaptureObserver):
     """A guided test in a thread of its own, watched by every tab; it is its own watcher, and that of its captures."""
 
-    def __init__(self, board: AbstractContextManager[str], make: Callable[[str], GuidedTest]) -> None:
+    def __init__(self, board: AbstractContextManager[str], test: GuidedTest) -> None:
         self.now = GuideNow()
-        self._board, self._make, self._ended = board, make, False
-        self._odds: dict[str, float] = {}
+        self._board, self._test, self._ended = board, test, False
         threading.Thread(target=self._run, name="guide", daemon=True).start()
 
     def cancel(self) -> None:
@@ -89,22 +89,18 @@ class GuideRun(CaptureObserver):
         if document is None:
             self.now = replace(self.now, verdict=f"It told nothing: {turn.problem}", gave="")
             return
-        shown, before = turn.hypotheses[:_SHOWN], self._odds
-        self._odds = odds_of(shown)
-        odds = tuple(
-            (
-                f"{one.title}: {percent(one.odds or 0.0)} {odds_before(one, before)}",
-                one.title,
-                one.odds or 0.0,
-            )
-            for one in shown
+        self.now = replace(
+            self.now,
+            verdict=headline(document),
+            gave=gave(turn),
+            hypotheses=turn.hypotheses[:_SHOWN],
+            before=odds_of(self.now.hypotheses),
         )
-        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds)
 
     def _run(self) -> None:
         try:
             with self._board as port:
-                test = self._make(port)
+                test = replace(self._test, port=port)
                 document = guide(test, self, lambda: self._ended)
             self.now = replace(self.now, capture="writing the report")
             document = finish(test, document)
@@ -153,14 +149,7 @@ class GuidePanel:
         self._start(nullcontext(port), wanted, Limits(low, high, ways=ways), bool(self._alone.value))
 
     def _simulate(self) -> None:
-        from secrets import randbelow
-
-        from station.operations.simulated_board import simulated_board
-
-        seed = randbelow(MYSTERIES)
-        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}")
-        wanted = replace(capture_settings(self._settings, info), check_clock=False)
-        board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
+        _, board, wanted = mystery(self._settings, *RIG)
         self._start(board, wanted, SIMULATED, True)
 
     def _start(
@@ -169,10 +158,8 @@ class GuidePanel:
         if self._busy() or (self._run is not None and not self._run.now.finished):
             ui.notify("a recording is under way: this click started nothing", type="warning")
             return
-        settings, folder = self._settings, new_folder(self._settings.sessions, "guide")
-        self._run = GuideRun(
-            board, lambda port: GuidedTest(port, wanted, limits, folder, settings, alone=alone)
-        )
+        folder = new_folder(self._settings.sessions, "guide")
+        self._run = GuideRun(board, GuidedTest("", wanted, limits, folder, self._settings, alone))
 
     def _cancel(self) -> None:
         if self._run is not None:
@@ -191,4 +178,4 @@ class GuidePanel:
             (now.verdict, "strong"),
             (f"It gave {now.gave}." if now.gave else "", "small"),
         ]
-        self._place.content = part("lines", said) + part("odds", now.odds)
+        self._place.content = part("lines", said) + part("odds", now.hypotheses, now.before)

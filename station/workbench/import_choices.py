@@ -51,10 +51,9 @@ class ImportChoices:
             ):
                 self._of_files.append(ui.input(said).props("dense outlined"))
 
-    def of_files(self) -> tuple[str, str]:
-        """Return the form of the names of files, and what varies between them, as they are typed."""
-        names, varies = (str(box.value or "") for box in self._of_files)
-        return names, varies
+    def of_files(self) -> tuple[str, ...]:
+        """Return the form of the names of files, and what varies between them, as they are typed; nothing for one file."""
+        return tuple(str(box.value or "") for box in self._of_files)
 
     def answered(self) -> Recipe:
         """Return the recipe as the boxes stand. Raises UsageProblem, in a sentence, where a unit does not fit a role."""

@@ -6,10 +6,11 @@ from pathlib import Path
 
 from daq.session import Session
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.fit import Fit, fit
+from identify.fitting.fit import Fit
 from station.exits import UsageProblem
 from station.operations.refining import Refinement, open_refinement, step_again
 from station.results import diagnosis_document
+from station.results.diagnosis_pictures import refitted
 from station.results.ladder import LADDER, KeptStep, read_ladder
 from station.results.models import ModelFile, known_model, starting_values
 from station.settings import Settings
@@ -53,11 +54,9 @@ class Opened:
         return self.draw(step.model, lambda: fit_of(self.refinement, step))
 
     def draw_suspect(self, model: ModelFile) -> str:
-        """Draw a suspect's model: fitted to the whole release near its values, which are not lost to another minimum."""
-        base = self.present_fit()
-        known = known_model(model, "the diagnosis", self.refinement.library)
-        start = starting_values(known, (self.refinement.prepared,))
-        return self.draw(model, lambda: fit(known.model, base.windows, start, base.frequency, near=True))
+        """Draw a suspect's model, fitted to the whole release."""
+        base, refinement = self.present_fit(), self.refinement
+        return self.draw(model, lambda: refitted(model, base, refinement.prepared, refinement.library)[1])
 
     def present_fit(self) -> Fit:
         """Fit the present model to the whole release."""

@@ -1,4 +1,4 @@
-"""Other releases: which sessions are diagnosed, tabulated or predicted together with the one that is open."""
+"""Other releases: diagnosed, tabulated or predicted together with the session that is open."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,10 +6,11 @@ from typing import Any
 
 from nicegui import ui
 
-from station.workbench import widgets
+from station.workbench import telling, widgets
 from station.workbench.parts import part
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
+from station.workbench.waiting import TellingPanel
 
 MOST = 30
 
@@ -37,3 +38,29 @@ def others_menu(
         with ui.menu().props("max-height=360px") as menu:
             body = widgets.html("why", {"tick": tick})
     menu.on_value_change(lambda e: fill() if e.value else None)
+
+
+def validate_dialog(session: SessionState, session_list: SessionList) -> ui.dialog:
+    """Make the dialog, closed: choose releases, and read how well they are predicted."""
+
+    async def validate() -> None:
+        if session.others:
+            await told.open(session.others)
+        else:
+            ui.notify("Choose at least one other release.")
+
+    with ui.dialog() as dialog, ui.element("div").classes("card dialog"):
+        widgets.label("Validate on another release", "strong")
+        widgets.label(
+            "The physics of the model stays as it is; only the start, the zero and the lag of the other release are "
+            "fitted. A model that is right predicts it better than the usual one.",
+            "small wrap",
+        )
+        with widgets.line():
+            others_menu(session, session_list)
+            widgets.button("Validate", validate, strong=True)
+            widgets.button("Close", dialog.close)
+        with ui.element("div").props("aria-live=polite"):
+            told = TellingPanel(session, telling.validated, "predicting")
+    dialog.on_value_change(lambda e: None if e.value else told.cancel())
+    return dialog

@@ -1,34 +1,26 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
-import asyncio
-import json
 import time
 
 from nicegui import background_tasks, ui
 
 from station.workbench import further_tasks, telling, widgets
+from station.workbench.actions import actions
 from station.workbench.app_state import AppState
-from station.workbench.capture_panel import CapturePanel
+from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
-from station.workbench.empty_middle import say_empty
+from station.workbench.empty_middle import EmptyMiddle
 from station.workbench.guide_panel import GuidePanel
-from station.workbench.ladder_panel import LadderPanel
-from station.workbench.others_menu import others_menu
+from station.workbench.others_menu import others_menu, validate_dialog
 from station.workbench.parts import part
-from station.workbench.rerun_tab import RerunTab
-from station.workbench.scope_panel import ScopePanel
-from station.workbench.served_files import report_address
 from station.workbench.session_menu import SessionMenu
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
-from station.workbench.telling_panel import TellingPanel
-from station.workbench.validate_dialog import validate_dialog
-from station.workbench.view_models import View
-from station.workbench.waiting import BusyLine, Waiting
+from station.workbench.statements import switched_off
+from station.workbench.waiting import BusyLine, TellingPanel
 from station.workbench.widgets import run
-from station.workbench.worker import Failed
 
 TICK_S = 0.05
 SLOW_S = 0.4
@@ -49,7 +41,6 @@ class Page:
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
-        self._channels: list[str] = []
         ui.page_title(f"{key} · workbench" if key else "workbench")
         with ui.element("header").classes("bench-head"):
             self._build_header()
@@ -65,8 +56,7 @@ class Page:
             self._right = ui.element("aside").classes("bench-column fall").props('aria-label="The ladder"')
             if self._session is not None:
                 with self._right:
-                    dialog = validate_dialog(self._session, state.session_list)
-                    self._ladder = LadderPanel(self._session, self._write_report, dialog.open)
+                    self._ladder = widgets.html("contents", self._does)
         self._right.set_visibility(False)
         run("bench.showTheme()")
         if self._session is not None:
@@ -86,8 +76,8 @@ class Page:
         self._head_tabs.classes("head-tabs").on_value_change(self._open_tab).set_visibility(False)
         if self._session is not None and self._key is not None:
             SessionMenu(self._state, self._session, self._key)
-            self._writing = Waiting(self._state.workers)
-            self._report = widgets.line().props("aria-live=polite")
+            with widgets.line().props("aria-live=polite"):
+                self._report = TellingPanel(self._session, further_tasks.report, "gathering")
             widgets.button("Report", self._write_report, "Write the report of this session")
         widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
@@ -98,26 +88,27 @@ class Page:
             widgets.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
         self._scope = ScopePanel()
-        self._empty = ui.element("div").classes("empty grow")
+        self._empty = EmptyMiddle(self._session, self._key, self._capture.solve_mystery)
         self._tabs = ui.element("div").classes("story-tabs")
         if self._session is not None:
             with self._tabs:
                 self._build_tabs(self._session)
         self._tabs.set_visibility(False)
-        self._say_empty()
+        self._empty.show(visible=True)
 
     def _build_tabs(self, session: SessionState) -> None:
         sessions, self._feed = self._state.session_list, StageFeed(session)
+        self._does = actions(session, self._write_report, validate_dialog(session, sessions).open)
         with ui.tab_panels(self._head_tabs, value=STORY, animated=False, keep_alive=True).classes("panels"):
             with ui.tab_panel(STORY).classes("story-panel"):
                 widgets.html("contents").content = part("statement")
                 with ui.element("section").classes("stage").props('aria-label="Where the model fails"'):
                     with widgets.line("small faint"):
                         widgets.label("Force that the model lacks; grey: none, or within the noise", "grow")
-                        self._choice = widgets.line()
+                        widgets.html().content = part("channel")
                     for name, label in PICTURES.items():
                         widgets.chart(name, label, f"plot-{name}")
-                self._cards = CardsPanel(session, sessions)
+                self._cards = CardsPanel(session, sessions, self._does)
             with ui.tab_panel(DETAILS):
                 self._details = TellingPanel(
                     session, telling.compared, "Comparing the model with the measurement"
@@ -129,7 +120,7 @@ class Page:
                 doing = "Identifying: envelope and frequency, and the restoring force surface"
                 self._identified = TellingPanel(session, telling.identified, doing)
             with ui.tab_panel(RERUN):
-                self._viewer = RerunTab(self._state, session, self._key or "", self._host)
+                self._viewer = TellingPanel(session, further_tasks.viewer, "Writing the viewer's recording")
 
     async def _open_tab(self) -> None:
         """Ask for what the chosen tab shows; the viewer needs all of a small screen's width."""
@@ -142,30 +133,14 @@ class Page:
         elif chosen != STORY:
             with self._tabs:
                 dark = await widgets.is_dark()
-                await (self._details if chosen == DETAILS else self._viewer).open(dark)
+                if chosen == DETAILS:
+                    await self._details.open(dark)
+                else:
+                    await self._viewer.open(self._state.temporary, self._host, dark)
 
     async def _write_report(self) -> None:
-        """Write the report, and offer it."""
-        if self._session is None or self._writing.busy:
-            return
-        self._report.clear()
-        folder = self._session.folder
-        try:
-            await self._writing.do("gathering", str(folder), further_tasks.report, folder)
-        except asyncio.CancelledError:
-            return
-        except Failed as failure:
-            with self._report:
-                widgets.label(str(failure), "small bad wrap")
-        else:
-            with self._report:
-                link = ui.link("Open the report", report_address(self._key or ""), new_tab=True)
-                link.classes("small strong").style("color: var(--accent)")
-
-    def _say_empty(self) -> None:
-        self._empty.clear()
-        with self._empty:
-            say_empty(self._session, self._key, self._capture.solve_mystery)
+        if self._session is not None:
+            await self._report.open(anew=True)
 
     def _turn_theme(self) -> None:
         run("bench.turnTheme()")
@@ -173,7 +148,7 @@ class Page:
 
     def _record(self, capture: CaptureRun) -> None:
         """Give the middle to the scope; the session of the recording is opened when it is sealed."""
-        for place in (self._empty, self._tabs, self._right):
+        for place in (self._empty.place, self._tabs, self._right):
             place.set_visibility(False)
         self._scope.follow(capture)
         self._seen = -1
@@ -186,7 +161,7 @@ class Page:
     def _tick(self) -> None:
         session = self._session
         if session is None:
-            self._empty.set_visibility(not self._scope.visible)
+            self._empty.place.set_visibility(not self._scope.visible)
             return
         self._show_busy(session)
         if session.version != self._seen and not self._scope.visible:
@@ -211,13 +186,11 @@ class Page:
         self._notice.set_visibility(bool(session.notice))
         for place in (self._head_tabs, self._tabs):
             place.set_visibility(view is not None)
-        self._empty.set_visibility(view is None)
+        self._empty.show(visible=view is None)
         if view is None:
-            self._say_empty()
             return
         self._right.set_visibility(self._head_tabs.value != RERUN)
-        self._offer_channels(view)
-        self._ladder.show(view)
+        self._ladder.content = part("fall", view, bool(session.earlier), switched_off(view.ladder))
         self._cards.show(view)
         if self._head_tabs.value in (DETAILS, NUMBERS) and session.running is None:
             background_tasks.create(self._open_tab())
@@ -225,16 +198,3 @@ class Page:
         if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
             run(f"bench.filmTo({self._step})")
             self._step = None
-
-    def _offer_channels(self, view: View) -> None:
-        """Offer the channels of the session, one of which is drawn over time."""
-        channels = [trace["channel"] for trace in view.stage["traces"]]
-        if channels == self._channels or len(channels) < 2:
-            return
-        self._channels = channels
-        self._choice.clear()
-        with self._choice:
-            widgets.label("below:")
-            made = ui.toggle(dict(enumerate(channels)))
-            made.on_value_change(lambda e: run(f"bench.choose('channel', {json.dumps(e.value)})"))
-            made.props('dense no-caps size=12px padding="1px 7px" unelevated toggle-color=primary')

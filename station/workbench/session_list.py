@@ -1,16 +1,22 @@
 """The sessions that the page offers, newest first, each with its thumbnail."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from urllib.parse import quote
 
+import numpy as np
+
 from daq.errors import StationError
-from daq.session import SessionSummary, State, list_sessions
-from station.workbench.session_thumbnails import thumbnail_of
-from station.workbench.view_models import Thumbnail
+from daq.recording import Array
+from daq.session import Session, SessionSummary, State, list_sessions
+from station.text.numbers import scale_as_recorded, typeset
+from station.workbench.view_models import Numbers
 
 MOST = 200
+POINTS = 60
+"""Parts of a decay whose outline is drawn."""
 
 
 def address_of(key: str) -> str:
@@ -20,15 +26,17 @@ def address_of(key: str) -> str:
 
 @dataclass(frozen=True)
 class Entry:
-    """One session: its key in addresses, its folder, what is said of it, and its thumbnail where that was asked for."""
+    """One session: its key in addresses, its folder, and what is said of it; as its thumbnail, where that was asked for, the
+    largest amplitude in words, and the decay as points for a sparkline (-1 to 1)."""
 
     key: str
     folder: Path
     date: str
     verdict: str
-    problem: str
-    thumbnail: Thumbnail | None
+    problem: str = ""
     notes: str = ""
+    amplitude: str = ""
+    line: Numbers = field(default_factory=list)
 
     @property
     def address(self) -> str:
@@ -81,11 +89,50 @@ class SessionList:
 def _entry(summary: SessionSummary, with_thumbnail: bool) -> Entry:
     folder, info = summary.folder.resolve(), summary.info
     if info is None:
-        return Entry(folder.name, folder, "", "damaged", summary.problem, None)
+        return Entry(folder.name, folder, "", "damaged", summary.problem)
     date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
     word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
     notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
     raw = folder / "raw.log"
     drawn = with_thumbnail and info.state is not State.RECORDING and raw.is_file()
-    thumbnail = thumbnail_of(folder, raw.stat().st_mtime_ns) if drawn else None
-    return Entry(folder.name, folder, date, word, "", thumbnail, notes)
+    amplitude, line, problem = thumbnail_of(folder, raw.stat().st_mtime_ns) if drawn else ("", [], "")
+    return Entry(folder.name, folder, date, word, problem, notes, amplitude, line)
+
+
+@lru_cache(maxsize=1000)
+def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
+    """Find the largest amplitude, in words, and the outline of the decay; or say why there is none.
+
+    `stamp` changes when the recording does: a thumbnail is made once for each.
+    """
+    try:
+        recording = Session.open(folder).recording()
+    except StationError as error:
+        return "", [], str(error)
+    if not recording.channels or recording.samples.shape[1] < 2:
+        return "", [], "no samples"
+    places = {channel.quantity: i for i, channel in reversed(list(enumerate(recording.channels)))}
+    row = next((places[q] for q in ("displacement", "velocity", "acceleration") if q in places), 0)
+    values = np.where(recording.valid, recording.samples[row], np.nan)
+    if not np.isfinite(values).any():
+        return "", [], "no samples"
+    channel = recording.channels[row]
+    factor, unit = scale_as_recorded(channel.quantity, channel.unit)
+    largest, line = outline(values)
+    return f"{largest * factor:.3g} {typeset(unit)}", line, ""
+
+
+def outline(values: Array) -> tuple[float, Numbers]:
+    """Measure how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
+    if not np.isfinite(values).any():
+        return 0.0, []
+    values = values - np.nanmedian(values)
+    largest = float(np.nanmax(np.abs(values)))
+    line: list[float | None] = []
+    for part in np.array_split(values, POINTS):
+        finite = part[np.isfinite(part)]
+        if len(finite):
+            line += [round(float(edge) / (largest or 1.0), 2) for edge in (finite.max(), finite.min())]
+        else:
+            line += [None, None]
+    return largest, line

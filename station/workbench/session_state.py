@@ -16,6 +16,7 @@ from station.results.ladder import KeptLadder
 from station.story.pipeline import silent
 from station.workbench import tasks
 from station.workbench.opened_session import results_stamp
+from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
 from station.workbench.worker import Failed, Say, Task, WorkerPool
 
@@ -75,6 +76,14 @@ class SessionState:
         """Change the ladder by a function of `station.operations.refining`."""
         self.start(title, tasks.change, does, *wanted)
 
+    def add(self, wanted: str) -> None:
+        """Add an effect, an expression of the user's own, or the measured curve."""
+        self.change(f"Adding {called(wanted)}", refining.add, wanted)
+
+    def diagnose(self, title: str = "Trying every effect") -> None:
+        """Ask what the present model lacks."""
+        self.start(title, tasks.diagnose, self.others, long=True)
+
     def changed(self) -> None:
         """Tell every tab that there is something to show."""
         self.version += 1
@@ -112,7 +121,7 @@ class SessionState:
         view = self.view
         if view is None or view.diagnosis is None or self.running or view.about_present or view.at_floor:
             return
-        self.start("Asking what the new model lacks", tasks.diagnose, self.others, long=True)
+        self.diagnose("Asking what the new model lacks")
 
     def _hear(self, said: str | View) -> None:
         """Note what a worker says; a view of what was found so far is shown at once."""

@@ -13,11 +13,11 @@ from station.operations.examples import EXAMPLES
 from station.workbench import further_tasks, widgets
 from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices
+from station.workbench.import_tasks import import_files
 from station.workbench.parts import part
 from station.workbench.session_list import Entry, address_of
-from station.workbench.several_files import import_files
 from station.workbench.stored_sessions import plain_name
-from station.workbench.view_models import Campaign, ImportQuestion
+from station.workbench.view_models import Imported, ImportQuestion
 from station.workbench.waiting import Waiting
 from station.workbench.worker import Failed, Task
 
@@ -117,22 +117,16 @@ class SessionsPanel:
 
     async def _import(self, files: list[Path], choices: ImportChoices | None = None) -> None:
         """Make sessions of files, or show what is to be said of the first before."""
-        first, mass = files[0], self._mass.value or None
-        recipe = choices.answered() if choices is not None else None
-        task: tuple[Any, ...]
-        if choices is not None and len(files) > 1:
-            task = (import_files, files, recipe, *choices.of_files(), mass)
-        else:
-            ask = recipe is None and (bool(self._ask.value) or len(files) > 1)
-            task = (further_tasks.import_file, first, recipe, ask, mass)
-        found = await self._do(f"reading {first.name if len(files) == 1 else f'{len(files)} files'}", *task)
+        answers = () if choices is None else (choices.answered(), *choices.of_files())
+        words, mass = f"reading {_called(files)}", self._mass.value or None
+        found = await self._do(words, import_files, files, mass, bool(self._ask.value), *answers)
         with self._message:
             if isinstance(found, ImportQuestion):
                 self._question(files, found)
-            elif isinstance(found, Campaign):
+            elif found is not None and len(files) > 1:
                 self._together(found)
             elif found is not None:
-                self._made(first.name, *found)
+                self._made(files[0].name, found)
 
     def _question(self, files: list[Path], question: ImportQuestion) -> None:
         async def answered() -> None:
@@ -147,11 +141,10 @@ class SessionsPanel:
         with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
             choices = ImportChoices(question, files)
             with widgets.line():
-                what = files[0].name if len(files) == 1 else f"{len(files)} files"
-                widgets.button("Looks right", answered, f"Read {what} so", strong=True)
+                widgets.button("Looks right", answered, f"Read {_called(files)} so", strong=True)
                 widgets.button("Cancel", dialog.close)
 
-    def _together(self, found: Campaign) -> None:
+    def _together(self, found: Imported) -> None:
         """Show what a campaign says of several files."""
         first = found.sessions[0]
         with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
@@ -161,14 +154,17 @@ class SessionsPanel:
                 widgets.button(f"Open {first}", partial(ui.navigate.to, address_of(first)), strong=True)
                 widgets.button("Close", dialog.close)
 
-    def _made(self, name: str, made: list[str], notes: list[str]) -> None:
+    def _made(self, name: str, found: Imported) -> None:
         """Open the first session that was made, with a notice of the others and of what was guessed."""
-        first, *others = made
+        first = found.sessions[0]
         place = self._state.session_list.folder_of(first)
         if place is not None:
-            said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
-            self._state.session(place).notice = f"{name} was imported: {'; '.join(said)}"
+            self._state.session(place).notice = f"{name} was imported: {found.told}"
         ui.navigate.to(address_of(first))
 
     def _say(self, text: str, kind: str = "") -> None:
         self._message.content = part("lines", [(text, f"small {kind}")])
+
+
+def _called(files: list[Path]) -> str:
+    return files[0].name if len(files) == 1 else f"{len(files)} files"

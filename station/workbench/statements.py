@@ -4,7 +4,9 @@ import math
 
 from identify.formatting import plain_name
 from station.results.ladder import KeptLadder, KeptStep
+from station.results.models import name_of
 from station.story.residual import explained_words, times
+from station.suggestions import MEASURED_CURVE
 from station.text.diagnosis_text import parameters
 from station.text.numbers import three_figures
 from station.workbench.view_models import Drawing, View
@@ -19,6 +21,18 @@ def share(chi_square: float | None, ladder: KeptLadder) -> float:
     value = largest if chi_square is None else chi_square
     place = math.log(max(value, LEAST) / LEAST) / math.log(largest / LEAST)
     return round(100.0 * min(1.0, place), 1)
+
+
+def called(wanted: str) -> str:
+    """Name what is added to a model: an effect, an expression, or the measured curve."""
+    return "the measured curve" if wanted == MEASURED_CURVE else plain_name(name_of(wanted))
+
+
+def switched_off(ladder: KeptLadder) -> list[tuple[str, str]]:
+    """List the effects that stood in the model on the way to the present step, and do not now, with what adds each again."""
+    before = dict.fromkeys(name for step in ladder.steps[: ladder.present] for name in step.effects)
+    own = {name_of(text): text for step in reversed(ladder.steps) for text in step.model.expressions}
+    return [(name, own.get(name, name)) for name in before if name not in ladder.top.effects]
 
 
 def says_of(view: View, summary: str) -> dict[str, Drawing]:

@@ -8,14 +8,20 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from identify.comparison.compare import compare_fitted
+from identify.diagnosis.ladder import add_effect, first_step
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.formatting import plain_name
+from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import prepare
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
-from station.operations.refining import Refinement, drop_needless, open_refinement, refine_to_floor, tried
+from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
@@ -28,7 +34,7 @@ from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
-from station.workbench.statements import with_effect
+from station.workbench.statements import called, with_effect
 from station.workbench.view_models import MOST_CARDS, Drawn, View
 from station.workbench.worker import Say
 
@@ -67,11 +73,15 @@ def _equations(ladder: KeptLadder) -> dict[str, str]:
     return {effect.name: typeset(effect.equation) for effect in effects}
 
 
-def change(settings: Settings, say: Say, folder: Path, does: Callable[..., KeptLadder], *wanted: Any) -> View:
-    """Change the ladder by a function of `station.operations.refining`, which is given what is `wanted`."""
+def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:
+    """Change the ladder by a function of `station.operations.refining`, which is given what is `wanted`.
+
+    It returns the ladder, or the ladder with a sentence.
+    """
     say("fitting")
     opened = open_session(settings, folder)
-    return _view(settings, opened, does(opened.refinement, *wanted))
+    found = does(opened.refinement, *wanted)
+    return _view(settings, opened, *(found if isinstance(found, tuple) else (found,)))
 
 
 def restore(refinement: Refinement, ladder: KeptLadder) -> KeptLadder:
@@ -97,13 +107,6 @@ def begin_again(settings: Settings, say: Say, folder: Path) -> View:
     opened = open_session(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
     return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
-
-
-def prune(settings: Settings, say: Say, folder: Path) -> View:
-    """Take out the effects without which the residual hardly rises."""
-    say("fitting without each effect")
-    opened = open_session(settings, folder)
-    return _view(settings, opened, *drop_needless(opened.refinement))
 
 
 def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> View:
@@ -151,21 +154,38 @@ def _suspects(opened: Opened, document: DiagnosisDocument) -> Iterator[Drawn]:
             yield Drawn({name: opened.drawn[name][0]}, {suspect.effect: name})
     if shown and not opened.refinement.ladder.top.at_floor:
         with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
-            yield _tried(opened, MEASURED_CURVE, MEASURED_CURVE)
+            yield _tried(opened, MEASURED_CURVE)
 
 
 def preview(settings: Settings, say: Say, folder: Path, wanted: str) -> Drawn:
     """Draw the present model with an expression of the user's own; nothing is kept."""
     opened = open_session(settings, folder)
     opened.present_fit()
-    return _tried(opened, wanted, name_of(wanted))
+    return _tried(opened, wanted)
 
 
-def _tried(opened: Opened, wanted: str, effect: str) -> Drawn:
+def _tried(opened: Opened, wanted: str) -> Drawn:
     """Draw the present model with `wanted` added, and say what it leaves."""
     step, _ = tried(opened.refinement, wanted)
-    name, error = opened.draw_step(step), step.error
-    called = "the measured curve" if wanted == MEASURED_CURVE else plain_name(effect)
+    name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
-    says = with_effect(opened.refinement.ladder, called, error.motion_percent, error.chi2, more)
+    says = with_effect(opened.refinement.ladder, called(wanted), error.motion_percent, error.chi2, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+
+
+RATE, SECONDS, FREQUENCY, DECAY, AMPLITUDE = 256.0, 6.0, 25.0, 0.25, 0.02
+
+
+def warm_up(*_: object) -> None:
+    """Fit, extend and compare a decay in closed form with a little noise; a worker's task like the others."""
+    draw = np.random.default_rng(1)
+    time = np.arange(-RATE, RATE * SECONDS) / RATE
+    moving = np.maximum(time, 0.0)
+    shape = np.exp(-DECAY * moving) * AMPLITUDE
+    u = shape * np.cos(FREQUENCY * moving) + 5e-6 * draw.standard_normal(len(time))
+    a = np.where(time > 0, -(FREQUENCY**2) * shape * np.cos(FREQUENCY * moving), 0.0)
+    a = a + 0.01 * draw.standard_normal(len(time))
+    prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
+    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
+    step = add_effect(first_step((prepared,)), friction)
+    compare_fitted(step.baseline)

@@ -14,32 +14,30 @@ from station.operations.comparing import compare_session
 from station.operations.identifying import identify_session, kept_options
 from station.operations.session_curves import kept_curves
 from station.operations.validating import validate_sessions
-from station.report.failure import where_it_fails
-from station.results.identification_document import IdentificationDocument
+from station.report.loop import curves_of, where_it_fails
 from station.results.ladder import read_ladder
 from station.settings import Settings
 from station.text import comparison_text, identification_text, table, validation_text
 from station.text.content import Figure, Paragraph, Told, facts
-from station.text.curves_text import curves_caption
 from station.text.layout import sentence
-from station.views.diagnosis_figures import curves
 from station.views.figure import inked
 from station.views.identification_figures import record
-from station.views.palette import DARK, LIGHT, Look
+from station.views.palette import PAGE
 from station.workbench.opened_session import kept_diagnosis, open_session
 from station.workbench.parts import part
 from station.workbench.worker import Say
 
 
-def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told], *arguments: Any) -> str:
-    """Write what one of the functions below tells as HTML."""
-    return part("told", what(settings, say, folder, *arguments))
+def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told | str], *arguments: Any) -> str:
+    """Write what one of the functions below tells as HTML; what is HTML already stays as it is."""
+    found = what(settings, say, folder, *arguments)
+    return found if isinstance(found, str) else part("told", found)
 
 
 def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
     say("comparing with the measurement")
-    refinement, look = open_session(settings, folder).refinement, _look(dark)
+    refinement, look = open_session(settings, folder).refinement, PAGE[dark]
     session, prepared, library = refinement.session, refinement.prepared, refinement.library
     found, _ = compare_session(session, settings, prepared=prepared)
     words, document, kept = comparison_text.told(found), kept_diagnosis(session), None
@@ -49,23 +47,18 @@ def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     with inked(look):
         parts = where_it_fails(found, look)
         if kept is not None:
-            drawn = curves(kept.curves, kept.names, look)
-            parts = (Figure(curves_caption(kept.names, kept.curves), drawn), *parts)
+            parts = (curves_of(kept, look), *parts)
     return replace(words, brief=parts, more=())
 
 
 def recorded(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Show a record that allows no analysis as it stands; nothing where it cannot be read."""
-    try:
+    look, parts = PAGE[dark], tuple[Figure, ...]()
+    with suppress(StationError), inked(look):
         recording = Session.open(folder).recording()
-    except StationError:
-        return Told("", "", ())
-    if recording.samples.shape[1] < 2:
-        return Told("", "", ())
-    look = _look(dark)
-    with inked(look):
-        drawn = record(recording, look=look)
-    return Told("", "", (Figure("The channels as they were recorded.", drawn),))
+        if recording.samples.shape[1] > 1:
+            parts = (Figure("The channels as they were recorded.", record(recording, look=look)),)
+    return Told("", "", parts)
 
 
 def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> Told:
@@ -73,7 +66,7 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
     say(f"identifying {folder.name}")
     session = Session.open(folder)
     result, document = identify_session(session, kept_options(session, settings))
-    documents, left_out = [document], []
+    documents, left_out, unit = [document], [], document.record.unit
     for place, other in enumerate(others):
         say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
@@ -82,7 +75,7 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
         except (NotIdentifiable, Problem) as refusal:
             left_out.append((other.name, f"left out: {refusal}"))
             continue
-        if _units(found) != _units(document):
+        if found.record.unit != unit or (found.record.mass_kg is None) != (document.record.mass_kg is None):
             left_out.append((other.name, "left out: its parameters have other units"))
         else:
             documents.append(found)
@@ -103,11 +96,3 @@ def validated(settings: Settings, say: Say, folder: Path, others: tuple[Path, ..
     """Predict other sessions by the present model, and tell how well."""
     chosen = tuple(str(other) for other in others)
     return validation_text.told(validate_sessions(str(folder), chosen, settings, progress=say))
-
-
-def _units(document: IdentificationDocument) -> tuple[str, bool]:
-    return document.record.unit, document.record.mass_kg is not None
-
-
-def _look(dark: bool) -> Look:
-    return DARK if dark else LIGHT

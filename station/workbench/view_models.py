@@ -36,8 +36,8 @@ class ImportQuestion:
 
 
 @dataclass(frozen=True)
-class Campaign:
-    """What came of several files: the names of the sessions, and what a campaign tells of them, as HTML."""
+class Imported:
+    """What came of files: the names of the sessions, and what is told of them: of several, a campaign as HTML."""
 
     sessions: list[str]
     told: str
@@ -81,12 +81,3 @@ class View:
     def at_floor(self) -> bool:
         """Whether the present model leaves no more than noise does."""
         return self.ladder.top.at_floor
-
-
-@dataclass(frozen=True)
-class Thumbnail:
-    """A session on offer: amplitude in words, the decay as points for a sparkline (-1 to 1)."""
-
-    amplitude: str
-    line: Numbers
-    problem: str = ""

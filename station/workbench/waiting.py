@@ -1,4 +1,4 @@
-"""The running task, its progress, and a way to stop it: a line that is seen only while a task runs."""
+"""What a worker does for the page: the running task with its progress and a way to stop it, and results that are told."""
 
 import asyncio
 from collections.abc import Callable
@@ -6,8 +6,11 @@ from typing import Any
 
 from nicegui import ui
 
-from station.workbench import widgets
-from station.workbench.worker import Task, WorkerPool
+from station.text.content import Told
+from station.workbench import telling, widgets
+from station.workbench.parts import part
+from station.workbench.session_state import SessionState
+from station.workbench.worker import Failed, Task, WorkerPool
 
 
 class BusyLine:
@@ -15,7 +18,7 @@ class BusyLine:
 
     def __init__(self, cancel: Callable[[], object], classes: str = "") -> None:
         with widgets.line(classes).props("role=status aria-live=polite") as self._line:
-            widgets.spinner()
+            widgets.html("contents").content = part("turning", 18)
             self._label = widgets.label("", "small grow wrap")
             self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
             self._bar.classes("share").set_visibility(False)
@@ -58,3 +61,30 @@ class Waiting:
         """End the task where one is under way."""
         if self._job is not None:
             self._job.cancel()
+
+
+class TellingPanel(Waiting):
+    """What a function of a worker tells of a session, empty until it is opened; `doing` says what it does meanwhile."""
+
+    def __init__(self, session: SessionState, what: Callable[..., Told | str], doing: str) -> None:
+        super().__init__(session.workers)
+        self._session, self._what, self._doing = session, what, doing
+        self._wanted: object = None
+        self._body = widgets.html("told")
+
+    async def open(self, *arguments: object, anew: bool = False) -> None:
+        """Show what is told with `arguments`, unless that is shown already of the session as it stands, or under way."""
+        view, folder = self._session.view, self._session.folder
+        wanted = (None if view is None else view.stamp, arguments)
+        if wanted == self._wanted and (self.busy or not anew):
+            return
+        self.cancel()
+        self._wanted, self._body.content = wanted, "" if anew else self._body.content
+        try:
+            told = (folder, self._what, *arguments)
+            self._body.content = await self.do(self._doing, str(folder), telling.tell, *told)
+        except (asyncio.CancelledError, Failed) as failure:
+            if self._wanted == wanted:
+                self._wanted = None
+                said = str(failure) or "Cancelled; ask again to see it."
+                self._body.content = part("told", Told(said, "bad", ()))

@@ -39,12 +39,6 @@ def html(classes: str = "", does: Mapping[str, Callable[[str], Any]] | None = No
     return made
 
 
-def spinner(size: int = 18) -> ui.element:
-    """Show that something runs; it turns by the compositor, so that a computation beside it loses nothing."""
-    made = ui.element("span").classes("turning").style(f"width:{size}px; height:{size}px")
-    return made.props("aria-hidden=true")
-
-
 def button(
     text: str, does: Callable[[], Any], name: str = "", strong: bool = False, classes: str = ""
 ) -> ui.button:

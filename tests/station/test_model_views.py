@@ -50,17 +50,6 @@ def chunks(file, path):
     return [chunk.to_record_batch() for chunk in RrdReader(file).stream().filter(content=path)]
 
 
-def column(file, path, name):
-    values = []
-    for batch in chunks(file, path):
-        for field in batch.schema.names:
-            if field == name or field.endswith(f":{name}"):
-                values += [
-                    np.asarray(row, dtype=float) for row in batch.column(field).to_pylist() if row is not None
-                ]
-    return np.concatenate(values) if values else np.zeros(0)
-
-
 def texts(file, path):
     found = []
     for batch in chunks(file, path):

@@ -65,7 +65,7 @@ def test_the_channels_are_shown_bit_for_bit_as_they_were_recorded(file, result):
 def test_lost_samples_leave_a_hole_and_no_curve(result, tmp_path):
     valid = np.ones(len(result.decay), dtype=bool)
     valid[400:420] = False
-    holed = Identification(**(vars(result) | {"decay": result.decay.with_(valid=valid)}))
+    holed = replace(result, decay=result.decay.with_(valid=valid))
     path = tmp_path / "holed.rrd"
     show.write(path, "holed", holed)
     shown = column(path, "/capture/displacement", "Scalars:scalars")
@@ -84,7 +84,7 @@ def test_the_overlay_differentiates_a_known_motion_rightly(result):
     swing = 0.02 * np.sin(OMEGA * time)
     late = 0.02 * np.sin(OMEGA * (time - LAG))
     decay = result.decay.with_(displacement=late, acceleration=-(OMEGA**2) * swing)
-    known = Identification(**(vars(result) | {"decay": decay, "aligned": decay.with_(displacement=swing)}))
+    known = replace(result, decay=decay, aligned=decay.with_(displacement=swing))
     shown = overlay.overlay(known)
     # The Gaussian is cut at 7 standard deviations and sampled: a part in a million of 12 m/s^2.
     assert np.abs(shown.acceleration - shown.after).max() < 1.2e-5
@@ -171,22 +171,9 @@ def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(r
 
 
 def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
-    refused = Identification(
-        **(
-            vars(result)
-            | {
-                "wavelet": None,
-                "restoring_force": None,
-                "without_alignment": None,
-                "alignment": None,
-                "refusals": {
-                    "wavelet": "too few cycles",
-                    "restoring_force": "too short",
-                    "alignment": "one channel",
-                },
-            }
-        )
-    )
+    why = {"wavelet": "too few cycles", "restoring_force": "too short", "alignment": "one channel"}
+    nothing = dict.fromkeys(("wavelet", "restoring_force", "without_alignment", "alignment"))
+    refused = replace(result, refusals=why, **nothing)
     path = tmp_path / "refused.rrd"
     show.write(path, "refused", refused)
     assert "too few cycles" in text(path, "/wavelet/refusal")
@@ -197,12 +184,9 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
 @pytest.mark.usefixtures("unrendered")
 def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path):
     alone = result.decay.with_(displacement=None, noise_displacement=None)
-    one = Identification(
-        **(vars(result) | {"decay": alone, "aligned": alone, "alignment": None, "without_alignment": None})
-    )
     path = tmp_path / "alone.rrd"
-    wavelet = vars(result.wavelet) | {"channel": "acceleration"}
-    one = Identification(**(vars(one) | {"wavelet": type(result.wavelet)(**wavelet)}))
+    wavelet = replace(result.wavelet, channel="acceleration")
+    one = replace(result, decay=alone, aligned=alone, alignment=None, without_alignment=None, wavelet=wavelet)
     show.write(path, "alone", one)
     assert np.array_equal(column(path, "/capture/acceleration", "Scalars:scalars"), alone.acceleration)
     assert len(column(path, "/capture/displacement", "Scalars:scalars")) == 0

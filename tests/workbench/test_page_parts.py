@@ -11,7 +11,7 @@ from daq.recording import Channel
 from station.exits import UsageProblem
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
-from station.workbench.scope import ScopeTrace
+from station.workbench.capture_run import ScopeTrace
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -60,42 +61,17 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     alone(story)
 
 
-@dataclass
-class Named:
-    """A model by the names of its effects."""
-
-    effects: list[str]
+def model(*effects: str) -> SimpleNamespace:
+    return SimpleNamespace(effects=list(effects))
 
 
-@dataclass
-class Top:
-    """A ladder of which only the present model matters."""
-
-    top: Named
-    present: int = 0
-    steps: tuple[str, ...] = ()
-
-
-@dataclass
-class Asked:
-    """A diagnosis: only its identity and that it has suspects matter here."""
-
-    model: Named
-    suspects: tuple[str, ...] = ("any",)
-
-
-@dataclass
-class Looked:
-    """What a look at a session returns: only its diagnosis matters here."""
-
-    diagnosis: Asked | None
-    ladder: Top = field(default_factory=lambda: Top(Named([])))
-    about_present: bool = True
-    at_floor: bool = False
-    note: str = ""
-    with_mass: dict[str, str] = field(default_factory=dict)
-    frames: dict[str, str] = field(default_factory=lambda: {"step": "drawn"})
-    step_frames: tuple[str, ...] = ("step",)
+def looked(*asked: str) -> SimpleNamespace:
+    """Return what a look at a session returns: only its diagnosis matters here, of a model by the names of its effects."""
+    diagnosis = SimpleNamespace(model=model(*asked), suspects=("any",)) if asked else None
+    return SimpleNamespace(
+        diagnosis=diagnosis, ladder=SimpleNamespace(top=model(*asked), present=0, steps=()), about_present=True,
+        at_floor=False, note="", with_mass={}, frames={"step": "drawn"}, step_frames=("step",),
+    )  # fmt: skip
 
 
 @dataclass
@@ -118,15 +94,12 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
     async def story() -> None:
         pool = Answering({})
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
-        for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
-            frames = Drawn({drawn: "frame"}, {diagnosis[0]: drawn})
-            pool.answers = {
-                "look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))),
-                "complete": frames,
-            }
+        for diagnosis, drawn in (("a", "first"), ("b", "second"), ("b", "second")):
+            frames = Drawn({drawn: "frame"}, {diagnosis: drawn})
+            pool.answers = {"look": looked(diagnosis), "complete": frames}
             assert session.start("Reading", tasks.look)
             await asyncio.gather(*session._runs)
-            assert session.suspects.suspects == {diagnosis[0]: drawn}
+            assert session.suspects.suspects == {diagnosis: drawn}
             assert drawn in session.frames
         assert pool.asked.count("complete") == 2  # not a third time: nothing had changed
 
@@ -169,7 +142,7 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
 
 def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
     async def story() -> None:
-        session = SessionState(Path("none"), Answering({"look": Looked(None)}))  # type: ignore[arg-type]
+        session = SessionState(Path("none"), Answering({"look": looked()}))  # type: ignore[arg-type]
         assert session.start("Adding cubic stiffness", tasks.look)
         version = session.version
         assert not session.start("Taking friction out", tasks.look)

@@ -135,6 +135,12 @@
       row.querySelector(".value").textContent = found ? S.says[found].times : "";
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }
+    const channel = document.getElementById("channel"), choice = channel && channel.querySelector("select");
+    if (channel) {
+      if (choice.length !== S.stage.traces.length) choice.replaceChildren(...S.stage.traces.map((trace, k) => new Option(trace.channel, k)));
+      channel.hidden = choice.length < 2;
+      choice.value = S.channel;
+    }
     document.querySelectorAll(".card-suspect").forEach((el) => { const on = el.dataset.preview === S.selected; el.classList.toggle("selected", on); if (el.tagName === "BUTTON") el.setAttribute("aria-pressed", on); el.classList.toggle("pointed", el.dataset.preview === S.pointed); });
     document.querySelectorAll(".step").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
     const add = document.getElementById("add-selected"), film = document.getElementById("film"), words = document.getElementById("film-words");
@@ -155,5 +161,8 @@
   });
   document.addEventListener("focusin", (event) => { const el = target(event); point(el && el.matches(":focus-visible") ? el.dataset.preview : null); });
   document.addEventListener("click", (event) => { const el = target(event); if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview); });
-  document.addEventListener("input", (event) => { if (event.target.id === "film") bench.filmTo(event.target.value); });
+  document.addEventListener("input", (event) => {
+    if (event.target.id === "film") bench.filmTo(event.target.value);
+    if (event.target.closest("#channel")) bench.choose("channel", Number(event.target.value));
+  });
 })();

@@ -1,0 +1,113 @@
+"""The worker's task that makes sessions of dropped files: one alone, or several of one logger by one recipe."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+from daq.importing.options import ImportOptions
+from daq.importing.propose import Doubtful
+from daq.importing.recipe import Recipe
+from station.exits import UsageProblem
+from station.settings import Settings
+from station.workbench.parts import part
+from station.workbench.session_list import outline
+from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
+from station.workbench.worker import Say
+
+
+def import_files(
+    settings: Settings,
+    say: Say,
+    files: Sequence[Path],
+    mass: float | None,
+    ask: bool,
+    recipe: Recipe | None = None,
+    names: str = "",
+    varies: str = "",
+) -> Imported | ImportQuestion:
+    """Import files; return what came of it, or what is to be said of the first before.
+
+    Several are read by one `recipe`, with numbers in their `names` and what `varies`, as `station campaign --recipe` does.
+    Raises UsageProblem where none of several can be read.
+    """
+    from station.operations.new_session import session_info
+    from station.results.kept_recipes import look_with_kept
+    from station.results.sessions import import_file
+
+    first, *others = files
+    say(f"reading {first.name}")
+    try:
+        if recipe is None and (ask or others):
+            known = look_with_kept(first, settings.sessions)[0].read().recipe
+            return _question(first, known, "what the columns seem to be")
+        if recipe is not None and others:
+            return _campaign(settings, say, files, recipe, mass, names, varies)
+        info = session_info(settings, mass)
+        made = import_file(first, None, settings.sessions, ImportOptions(), info, recipe)
+    except Doubtful as refusal:
+        doubts = (doubt.partition("; ")[0] for doubt in refusal.proposal.doubts)  # what to do is on the page
+        return _question(first, refusal.proposal.recipe, "; ".join(doubts))
+    sessions = [session.folder.name for session in made.sessions]
+    more = [f"its other releases: {', '.join(sessions[1:])}"] if sessions[1:] else []
+    return Imported(sessions, "; ".join([*made.notes, *more]))
+
+
+def _question(file: Path, recipe: Recipe, sentence: str) -> ImportQuestion:
+    from daq.importing.apply import matched
+    from daq.importing.reading import read_table
+
+    table = read_table(file, recipe)
+    found = {id(field): number for number, field in matched(table, recipe).items()}
+    columns = {column.number: column for column in table.columns}
+    asked = []
+    for field in recipe.fields:
+        column = columns[found[id(field)]]
+        first = ", ".join(f"{value:.5g}" for value in column.values[:4])
+        asked.append(AskedColumn(column.place, first, outline(column.values)[1]))
+    return ImportQuestion(f"{file.name}: {sentence}", recipe, tuple(asked))
+
+
+def _campaign(
+    settings: Settings,
+    say: Say,
+    files: Sequence[Path],
+    recipe: Recipe,
+    mass: float | None,
+    names: str,
+    varies: str,
+) -> Imported:
+    from station.campaign.crew import InThisProcess
+    from station.campaign.files import Names, import_files
+    from station.campaign.kept import Kept
+    from station.campaign.run import Request
+    from station.campaign.sources import FOLDER, find_sources
+    from station.campaign.together import campaign
+    from station.operations.new_session import session_info
+    from station.text.campaign_text import told
+    from station.text.content import Paragraph
+
+    info = session_info(settings, mass, varies=varies.split(","))
+    form = Names(names) if names.strip() else None
+    lines: list[str] = []
+    made = []
+    for folder in import_files(files, settings.sessions, recipe, form, {}, info, lines.append):
+        say(f"read as {folder.name}")
+        made.append(str(folder))
+    if not made:
+        raise UsageProblem(f"none of the {len(files)} files could be read: {'; '.join(lines)}")
+    sources = find_sources(tuple(made), settings)
+    ready: list[str] = []
+
+    def one_more(name: str, reason: str = "") -> None:
+        ready.append(name)
+        say(f"{len(ready)} of {len(sources)} sessions identified")
+
+    watch = SimpleNamespace(kept=one_more, done=one_more, failed=one_more)
+    found = told(
+        campaign(sources, Request(settings), InThisProcess(), Kept(settings.sessions / FOLDER), watch)
+    )
+    remarks = tuple(Paragraph(line) for line in lines)
+    return Imported(
+        [source.name for source in sources], part("told", replace(found, brief=(*remarks, *found.brief)))
+    )
