@@ -16,6 +16,7 @@ PICTURES = ROOT / "docs" / "pictures"
 MADE_OF = "made_of.txt"
 SOURCES = (
     "station/workbench/static/*",
+    "station/workbench/parts.html",
     "station/workbench/cards_panel.py",
     "station/workbench/telling*.py",
     "station/views/tabs.py",
