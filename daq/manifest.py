@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from daq.errors import NotASession, SessionDamaged, StationError
 from daq.quality import Verdict
 from daq.raw_log import MAX_LOG
+from daq.recording import Gap
+from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
 from daq.storage import TEMPORARY, Lock, digest, read_regular, staged, write_whole
 
@@ -30,27 +32,6 @@ class FileEntry(BaseModel):
 
     size: int = Field(ge=0)
     sha256: str = Field(pattern="^[0-9a-f]{64}$")
-
-
-class GapEntry(BaseModel):
-    """Samples `first` to `first + count - 1` of the recording that are lost."""
-
-    model_config = ConfigDict(frozen=True)
-
-    first: int
-    count: int
-    reason: str
-
-
-class FlagEntry(BaseModel):
-    """Samples `first` to `first + count - 1` of the recording in which a channel has a flag (`daq.reading_flags.Flag`)."""
-
-    model_config = ConfigDict(frozen=True)
-
-    channel: str
-    flag: str
-    first: int
-    count: int
 
 
 class Counts(BaseModel):
@@ -76,8 +57,8 @@ class Manifest(BaseModel):
     state: State
     files: dict[str, FileEntry]
     counts: Counts = Counts()
-    gaps: tuple[GapEntry, ...] = ()
-    flags: tuple[FlagEntry, ...] = ()
+    gaps: tuple[Gap, ...] = ()
+    flags: tuple[FlaggedRun, ...] = ()
     verdict: Verdict | None = None
 
     def to_bytes(self) -> bytes:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict
 
 from daq.cycle_gains import Step, cycle_length, gain_steps, own_change
 from daq.decode import Assembly
@@ -38,9 +39,10 @@ WORDS = {
 STEP_ADVICE = "check the amplifier, the range and the mounting of the sensor of {}"
 
 
-@dataclass(frozen=True)
-class FlaggedRun:
+class FlaggedRun(BaseModel):
     """Samples `first` to `first + count - 1` of the channel of that name, with one flag."""
+
+    model_config = ConfigDict(frozen=True)
 
     channel: str
     flag: Flag
@@ -227,4 +229,4 @@ def _runs(channel: Channel, flag: Flag, mask: Mask) -> Iterator[FlaggedRun]:
         found[np.r_[kept, -1], 1] if len(found) else [],
     )
     for first, stop in zip(firsts, stops, strict=True):
-        yield FlaggedRun(channel.name, flag, int(first), int(stop - first))
+        yield FlaggedRun(channel=channel.name, flag=flag, first=first, count=stop - first)

@@ -14,13 +14,10 @@ from daq.import_log import import_log
 from daq.manifest import (
     Counts,
     FileEntry,
-    FlagEntry,
-    GapEntry,
     Manifest,
     entry,
     is_plain_name,
     session_files,
-    write_manifest,
 )
 from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
@@ -174,33 +171,28 @@ class Session(SessionReader):
         resent: int = 0,
         damaged_frames: int = 0,
         check_clock: bool = True,
-    ) -> Verdict | None:
-        """Judge the recording, write metadata and manifest, give the lock back, and return the verdict.
-
-        On a session that is sealed already it only notes the checksums of new results.
-        """
+    ) -> None:
+        """Judge the recording, write metadata and manifest, and give the lock back."""
         with self._writing():
             known = self._known_manifest()
-            if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
-                write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
-                return known.verdict
             assembly = self.assembly()
-            verdict, gaps, flags, counts = _judge(self.folder, self.info, assembly, check_clock)
-            counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
+            made = Manifest(
+                state=state,
+                files=self._entries(known.files if known else {}),
+                counts=Counts(
+                    planned=self.info.planned_samples or 0, resent=resent, damaged_frames=damaged_frames
+                ),
+            )
+            sealed, grade = _judged(made, self.folder, self.info, assembly, check_clock)
             self.info = self.info.model_copy(
-                update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
+                update={"state": state, "reason": reason[:2000], "verdict": grade.value}
             )
             if assembly.origin != IMPORT:
                 rate_std = checked_rate(assembly, check_clock).std
                 self.info = self.info.model_copy(update={"rate_std_hz": rate_std or None})
-            files = self._entries(known.files if known else {})
-            sealed = Manifest(
-                state=state, files=files, counts=counts, gaps=gaps, flags=flags, verdict=verdict
-            )
             changed = {INFO: _to_bytes(self.info)}
             commit(self.folder, changed, sealed.with_files(changed))
             self.release()
-            return verdict
 
     def release(self) -> None:
         """Give the lock back; harmless when it is not held."""
@@ -285,31 +277,31 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
     )
 
 
-def _judge(
-    folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
-) -> tuple[Verdict, tuple[GapEntry, ...], tuple[FlagEntry, ...], Counts]:
-    planned = info.planned_samples
+def _judged(
+    made: Manifest, folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
+) -> tuple[Manifest, Grade]:
+    """Complete a manifest with the verdict, counts, gaps and flags of a session's recording."""
     try:
         recording = assembly.recording()
     except DataLost:
-        nothing = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
-        return nothing, (), (), Counts(planned=planned or 0)
+        verdict = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
+        return made.model_copy(update={"verdict": verdict}), verdict.grade
     sensors = sensor_faults(recording, assembly)
     typical = typical_noise(folder, info)
-    verdict = judge(recording, assembly, planned, info.noise, check_clock, typical, sensors)
-    counts = Counts(
-        samples=len(recording.valid),
-        lost=int(len(recording.valid) - recording.valid.sum()),
-        planned=planned or 0,
-        frames=assembly.frames,
-        duplicates=assembly.samples.duplicates,
-    )
-    gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
-    flags = tuple(
-        FlagEntry(channel=run.channel, flag=run.flag.value, first=run.first, count=run.count)
-        for run in sensors.runs
-    )
-    return verdict, gaps, flags, counts
+    verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, typical, sensors)
+    counts = {
+        "samples": len(recording.valid),
+        "lost": int(len(recording.valid) - recording.valid.sum()),
+        "frames": assembly.frames,
+        "duplicates": assembly.samples.duplicates,
+    }
+    update = {
+        "counts": made.counts.model_copy(update=counts),
+        "gaps": recording.gaps,
+        "flags": sensors.runs,
+        "verdict": verdict,
+    }
+    return made.model_copy(update=update), verdict.grade
 
 
 def _store_source(folder: Path, name: str, content: bytes) -> None:
