@@ -12,16 +12,15 @@ from zlib import crc32
 
 import numpy as np
 
+from daq.description_checks import description_of
 from daq.recording import Array
 from daq.sources.source import Reading, Source, SourceDescription
 from firmware_protocol import (
     TYPE_OF,
     Ack,
-    ChannelDescription,
     Config,
     Data,
     Decoder,
-    Describe,
     End,
     Frame,
     Heartbeat,
@@ -36,7 +35,6 @@ from firmware_protocol import (
     SampleFormat,
     Start,
     Stop,
-    TimeSync,
     encode,
 )
 
@@ -58,7 +56,6 @@ class _Run:
     total: int = 0
     dropped: int = 0
     checksum: int = 0
-    count: int = 0
 
 
 @dataclass
@@ -74,12 +71,15 @@ class _Out:
 
 
 class SourceBoard:
-    """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread."""
+    """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread.
+
+    `description` is what the source gives.
+    """
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._description: SourceDescription = source.describe()
-        self.name = self._description.name
+        self.description: SourceDescription = source.describe()
+        self.name = self.description.name
         self.keep: Callable[[bytes], object] = len
         self._decoder = Decoder()
         self._out = _Out()
@@ -88,11 +88,6 @@ class SourceBoard:
         self._booted = time.monotonic()
         self._beat = self._booted
         self._closed = False
-
-    @property
-    def description(self) -> SourceDescription:
-        """What the source gives."""
-        return self._description
 
     def read(self) -> bytes:
         """Return the frames that are due; b"" when nothing came within about 50 ms."""
@@ -110,7 +105,7 @@ class SourceBoard:
             now = time.monotonic()
             if now - self._beat > HEARTBEAT_S:
                 self._beat = now
-                self._out.say(Heartbeat(self._uptime_us(), 0, self._run.dropped))
+                self._out.say(Heartbeat(int((now - self._booted) * 1e6), 0, self._run.dropped))
             frames, self._out.frames = self._out.frames, []
         return b"".join(frames)
 
@@ -126,9 +121,6 @@ class SourceBoard:
             self._closed = True
             self._source.close()
 
-    def _uptime_us(self) -> int:
-        return int((time.monotonic() - self._booted) * 1e6)
-
     def _answer(self, frame: Frame) -> None:
         message = frame.message
         if isinstance(message, OtherVersion):
@@ -137,21 +129,20 @@ class SourceBoard:
             self._out.say(
                 Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])
             )
-            self._out.say(self._describe())
-            for remark in self._description.remarks:
+            self._out.say(description_of(self.description.channels, self.description.rate_hz))
+            for remark in self.description.remarks:
                 self._out.say(Log(remark[:250]))
-        elif isinstance(message, TimeSync):
-            self._out.say(TimeSync(message.host_time_us, self._uptime_us()))
         elif isinstance(message, Stop):
             self._ack(frame, message)
-            self._end()
+            self._run.sampling = False
+            self._out.say(End(self._run.total, self._run.dropped, self._run.checksum))
         elif isinstance(message, Start):
             self._source.start()
-            self._run = _Run(sampling=True, count=message.count)
+            self._run = _Run(sampling=True)
             self._ack(frame, message)
         elif isinstance(message, Config):
             self._ack(frame, message)
-            self._out.say(self._describe())
+            self._out.say(description_of(self.description.channels, self.description.rate_hz))
         elif isinstance(message, Resend):
             text = "a source keeps no samples"
             self._out.say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
@@ -159,45 +150,16 @@ class SourceBoard:
     def _ack(self, frame: Frame, message: Message) -> None:
         self._out.say(Ack(frame.sequence, TYPE_OF[type(message)]))
 
-    def _end(self) -> None:
-        run = self._run
-        run.sampling = False
-        self._out.say(End(run.total, run.dropped, run.checksum))
-
-    def _describe(self) -> Describe:
-        rate = self._description.rate_hz
-        return Describe(
-            SampleFormat.F64,
-            tuple(
-                ChannelDescription(
-                    c.name,
-                    c.quantity,
-                    c.unit,
-                    1.0,
-                    0.0,
-                    rate,
-                    low=c.low,
-                    high=c.high,
-                    resolution=c.resolution,
-                    group_delay_s=c.group_delay_s,
-                    sensor=c.sensor,
-                )
-                for c in self._description.channels
-            ),
-        )
-
     def _take(self, reading: Reading) -> None:
         """Send samples as DATA; indices that were skipped are said to be dropped."""
         run = self._run
         samples = np.ascontiguousarray(reading.samples, dtype="<f8")
-        if run.count:
-            samples = samples[: max(run.count - reading.first, 0)]
         if not len(samples):
             return
         skipped = reading.first - run.total
         run.dropped += skipped
         size = max(1, ROOM // (8 * samples.shape[1]))
-        rate = self._description.rate_hz
+        rate = self.description.rate_hz
         times: Array = (reading.first + np.arange(len(samples), dtype=np.float64)) * 1e6 / rate
         if reading.times_us is not None:
             times = reading.times_us
@@ -220,8 +182,6 @@ class SourceBoard:
             )
             at += len(part)
         run.total = reading.first + len(samples)
-        if run.count and run.total >= run.count:
-            self._end()
 
 
 def _even(times_us: Array, rate: float) -> int:
