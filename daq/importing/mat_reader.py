@@ -18,10 +18,13 @@ def main(most_numbers: int, most_arrays: int) -> int:
     """Write the arrays of the file at the standard input as `.npz`; TOO_LARGE where they are too many or too long."""
     from scipy.io import loadmat, whosmat
 
-    file = io.BytesIO(sys.stdin.buffer.read())
+    file: Any = io.BytesIO(sys.stdin.buffer.read())  # as scipy documents; its stubs know paths only
     _limit_memory()
     try:
-        if sum(math.prod(s) for _, s, kind in whosmat(file) if kind not in NO_NUMBERS) > most_numbers:
+        sizes = [
+            math.prod(int(n) for n in shape) for _, shape, kind in whosmat(file) if kind not in NO_NUMBERS
+        ]
+        if sum(sizes) > most_numbers:
             return TOO_LARGE
         names, arrays = [], []
         for name, value in loadmat(file).items():

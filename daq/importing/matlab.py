@@ -15,6 +15,7 @@ import numpy as np
 from daq.importing import mat_reader
 from daq.importing.errors import problem
 from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
+from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.plain_text import one_line
@@ -25,19 +26,6 @@ MAX_ARRAYS = 20_000
 LONGEST_S = 120.0
 MATRIX, COMPRESSED = 14, 15
 HDF5 = b"\x89HDF\r\n\x1a\n"
-RATES = (
-    "fs",
-    "fsamp",
-    "samplerate",
-    "sample_rate",
-    "samplingrate",
-    "sampling_rate",
-    "rate",
-    "actualrate",
-    "sr",
-    "fsample",
-)
-PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_time")
 
 
 def is_matlab(data: bytes) -> bool:
@@ -70,7 +58,7 @@ def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
             "save it again in MATLAB with save(..., '-v7') or export it as CSV",
         )  # fmt: skip
     vectors: list[tuple[str, Array]] = []
-    scalars: dict[str, float] = {}
+    scalars: dict[str, float | str] = {}
     for name, value in read_arrays(path, data):
         if value.size == 1:
             scalars[name] = float(value.ravel()[0])
@@ -88,8 +76,8 @@ def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
     if len(kept) < len(vectors):
         others = [name for name, values in vectors if len(values) != length]
         notes.append(f"variables of other lengths were left out: {', '.join(others[:6])}")
-    rate, source = _rate(scalars)
-    return Table(path, columns, None, rate, source, tuple(notes), format="matlab")
+    rate, source = rate_of(scalars)
+    return Table(path, columns, None, rate, f"the variable {source}", tuple(notes), format="matlab")
 
 
 def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
@@ -167,13 +155,3 @@ def _length(path: Path, vectors: list[tuple[str, Array]], recipe: Recipe) -> int
         return named.pop()
     lengths = Counter(len(values) for _, values in vectors)
     return max(lengths, key=lambda n: (n >= 8, n * lengths[n]))
-
-
-def _rate(scalars: dict[str, float]) -> tuple[float | None, str]:
-    for name, value in scalars.items():
-        key = name.rsplit(".", 1)[-1].lower()
-        if key in RATES and 0.0 < value < 1e9:
-            return value, f"the variable '{name}'"
-        if key in PERIODS and 0.0 < value < 1e6:
-            return 1.0 / value, f"the variable '{name}' (a sampling interval of {value:g} s)"
-    return None, ""
