@@ -9,12 +9,10 @@ tell the clock: each lies in the last part of a period, as long as the period is
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.quantisation import quantum
+from daq.importing.stamps import Rebuilt
 from daq.recording import Array, Mask
-
-Index = NDArray[np.int64]
 
 LARGE_STEP = 4.0
 """Quanta of a step between two rows, so large that neither repeats by rounding."""
@@ -36,21 +34,7 @@ AS_HIGH = 0.9
 PEAK_WIDTH = 10  # of the periods that are tried: the width of a peak
 
 
-@dataclass(frozen=True, eq=False)
-class Held:
-    """The sensor's own clock: its period (s) with its standard error, the `rows` that hold its readings, (m,), and which
-    reading each is, `index` (m,); `start` is the time of reading 0 and `share` the share of rows that repeat one.
-    """
-
-    period: float
-    period_std: float
-    start: float
-    rows: Index
-    index: Index
-    share: float
-
-
-def held_readings(time: Array, values: Array) -> Held | None:
+def held_readings(time: Array, values: Array) -> Rebuilt | None:
     """Return the sensor's clock behind rows with rising stamps `time` (n,), s, and `values` (channels, n); None where
     rows do not repeat readings, or not by a clock.
     """
@@ -187,7 +171,9 @@ def _nearest_of_the_best(bunched: Array, middle: int) -> int:
     return int(group[np.argmax(bunched[group])])
 
 
-def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: float, share: float) -> Held:
+def _on_its_clock(
+    time: Array, period: float, std: float, centre: float, asked: float, share: float
+) -> Rebuilt:
     """Return the last row of each period around the times at which new readings are seen; periods without a row are lost."""
     first = int(np.ceil((time[0] - centre) / period - 0.5))
     last = int(np.floor((time[-1] - centre) / period + 0.5))
@@ -197,6 +183,10 @@ def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: 
     there = (rows >= 0) & (time[np.maximum(rows, 0)] >= begin)
     number, rows = number[there], rows[there]
     start = centre + number[0] * period - 0.5 * asked
-    return Held(
-        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share
+    note = (
+        f"{100.0 * share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
+        "than it answers; its own readings, {}, were taken (--rate keeps all rows)"
+    )
+    return Rebuilt(
+        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), note
     )
