@@ -28,7 +28,10 @@ MOST_RUNS = 1000
 
 WORDS = {
     Flag.STUCK: ("is stuck while the mass moves,", "check the sensor of {} and its cable"),
-    Flag.REPEATED: ("repeats the reading before it", "check how the converter of {} is read, and how often"),
+    Flag.REPEATED: (
+        "repeats the reading before it",
+        "check how the converter of {} is read, and how often; write a row only for a new reading",
+    ),
     Flag.SATURATED: ("is cut off flat", "a smaller release, or a wider range of {}"),
     Flag.WRAPPED: (
         "wraps round from one end of its range to the other",

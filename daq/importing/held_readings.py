@@ -6,8 +6,6 @@ where a film's frames were doubled to a higher rate, new readings come in nearly
 tell the clock: each lies in the last part of a period, as long as the period is longer than the interval.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from daq.importing.quantisation import quantum
@@ -56,32 +54,6 @@ def held_readings(time: Array, values: Array) -> Rebuilt | None:
     if clock is None:
         return None
     return _on_its_clock(time, *clock, asked, float(np.mean(~new)))
-
-
-@dataclass(frozen=True)
-class Repeated:
-    """Readings that are held, but by no clock: the `share` (0 to 1) of the rows that repeat one, the `longest` hold (s)."""
-
-    share: float
-    longest: float
-
-
-def repeated_readings(time: Array, values: Array) -> Repeated | None:
-    """Return which share of rows repeats the one before between large steps of `values` (channels, n); None where few do.
-
-    For rows that `held_readings` finds no clock behind: what was read when is not known then.
-    """
-    if len(time) < 2 * FEWEST_CHANGES or not np.isfinite(time).all():
-        return None
-    new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
-    size, at = _steps_in_quanta(values), np.flatnonzero(new)
-    large = size[at] > LARGE_STEP
-    between = large[1:] & large[:-1]
-    held = (np.diff(at) - 1)[between]
-    if held.sum() < max(FEWEST_REPEATS, REPEATED[0] * len(time)):
-        return None
-    longest = float(np.max((time[at[1:] - 1] - time[at[:-1]])[between]))
-    return Repeated(float(np.mean(~new)), longest)
 
 
 def _steps_in_quanta(values: Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.importing.errors import problem
-from daq.importing.held_readings import held_readings, repeated_readings
+from daq.importing.held_readings import held_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
@@ -88,7 +88,6 @@ def from_stamps(
     held = held_readings(time, values[:, rows])
     if held is not None:
         return _rebuilt(held, rows, first, notes)
-    notes.extend(_repeated(time, values[:, rows]))
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -159,18 +158,6 @@ def _rebuilt(clock: Rebuilt, rows: Index, first: float, notes: list[str]) -> Tim
         notes=(*notes, clock.note.format(_rate(rate, rate_std))),
         origin=first + clock.start,
         coarse=True,
-    )
-
-
-def _repeated(time: Array, values: Array) -> tuple[str, ...]:
-    """Return a sentence on rows that repeat readings by no clock, if many do."""
-    found = repeated_readings(time, values)
-    if found is None:
-        return ()
-    return (
-        f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, at irregular times, for up to "
-        f"{milli(found.longest)}: the times of the readings are not known, and the steps look like a force. Write a row "
-        "only when there is a new reading",
     )
 
 
