@@ -11,6 +11,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from daq.errors import NotASession, SessionDamaged, StationError
+from daq.plain_text import first_fault
 from daq.quality import Verdict
 from daq.raw_log import MAX_LOG
 from daq.recording import Gap
@@ -102,7 +103,7 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         manifest = Manifest.model_validate_json(data)
     except ValidationError as error:
-        raise SessionDamaged(f"{folder / NAME}: no manifest any more ({_first(error)})") from error
+        raise SessionDamaged(f"{folder / NAME}: no manifest any more ({first_fault(error)})") from error
     if manifest.to_bytes() != data:
         raise SessionDamaged(f"{folder / NAME}: its own checksum does not agree; it was altered")
     return manifest
@@ -202,9 +203,3 @@ def _is_plain(path: Path) -> bool:
         return stat.S_ISREG(path.lstat().st_mode)
     except OSError:  # gone meanwhile
         return True
-
-
-def _first(error: ValidationError) -> str:
-    first = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in first["loc"])[:200]
-    return f"{where}: {first['msg']}" if where else str(first["msg"])

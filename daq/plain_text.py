@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, ValidationError
 
 _CONTROL = [*range(0x20), *range(0x7F, 0xA0)]
 _BREAKS_AND_TURNS = [*range(0x2028, 0x202F), *range(0x2066, 0x206A)]
@@ -12,6 +12,13 @@ _REPLACED = dict.fromkeys([*_CONTROL, *_BREAKS_AND_TURNS], "\N{REPLACEMENT CHARA
 def one_line(text: str) -> str:
     """Return `text` with every control character, line break and turn of direction replaced by a mark."""
     return text.translate(_REPLACED)
+
+
+def first_fault(error: ValidationError) -> str:
+    """Say where the first fault of a validation is, and what it is."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(str(part) for part in first["loc"])[:200]
+    return f"{where}: {first['msg']}" if where else str(first["msg"])
 
 
 Line = Annotated[str, AfterValidator(one_line)]

@@ -20,6 +20,7 @@ from daq.manifest import (
     session_files,
 )
 from daq.noise_history import typical_noise
+from daq.plain_text import first_fault
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
@@ -133,8 +134,7 @@ class Session(SessionReader):
             try:
                 self.info = SessionInfo.model_validate({**known.model_dump(), **changes})
             except ValidationError as error:
-                first = error.errors(include_url=False, include_input=False)[0]
-                raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+                raise SettingsError(first_fault(error)) from error
             self._change({INFO: _to_bytes(self.info)})
 
     def write_result(self, name: str, data: str | bytes) -> Path:

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from daq.decode import Assembly, assemble
 from daq.errors import DataLost, NotASession, SessionDamaged, StorageError
 from daq.manifest import Manifest, is_plain_name, read_manifest
+from daq.plain_text import first_fault
 from daq.quality import Verdict
 from daq.raw_log import Record, read
 from daq.recording import Channel, Recording
@@ -103,9 +104,7 @@ def read_info(folder: Path) -> SessionInfo:
     try:
         return SessionInfo.model_validate_json(data)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"])[:200] or "it"
-        raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
+        raise SessionDamaged(f"{folder / INFO}: {first_fault(error)}; recover the session") from error
 
 
 def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:
