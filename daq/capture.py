@@ -169,7 +169,8 @@ class _Capture:
         for block in self._stream.during(settings.rest_timeout_s):
             period.feed(block.samples)
             if period.rest is not None and trigger is None:
-                trigger = Trigger(self._channels, self._rate, period.rest, settings.trigger_level)
+                history = self._link.assembly.between
+                trigger = Trigger(self._channels, self._rate, period.rest, history, settings.trigger_level)
             if trigger is not None and period.rest is not None:
                 self._early = self._triggered(trigger, block)
                 if period.complete or self._early is not None:

@@ -164,12 +164,22 @@ class Assembly:
         """List the gaps of the recording so far, with reasons."""
         return self._gaps(self.samples.mask(self.start, self.stop), self.start)
 
+    def between(self, first: int, stop: int) -> Array:
+        """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
+        assert self.description is not None
+        samples = np.full((len(self.description.channels), stop - first), np.nan)
+        for piece in self.samples.within(first, stop):
+            at = piece.first - first
+            block = _convert(piece.data, self.description)[:, max(-at, 0) : stop - first - at]
+            samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
+        return samples
+
     def recording(self, notes: Iterable[str] = ()) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
         if not self.samples or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
-        samples = _values(self.samples, self.description, first, stop)
+        samples = self.between(first, stop)
         valid: Mask = np.all(np.isfinite(samples), axis=0)
         samples[:, ~valid] = np.nan
         trigger = self.window.trigger if self.window else None
@@ -301,16 +311,6 @@ def _objection(assembly: Assembly, data: Data) -> str | None:
     if end is not None and data.first_index + data.n > max(assembly.total, expected):
         return f"sample {data.first_index + data.n - 1} came after the board had said END"
     return None
-
-
-def _values(store: SampleStore, description: Describe, first: int, stop: int) -> Array:
-    """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
-    samples = np.full((len(description.channels), stop - first), np.nan)
-    for piece in store.within(first, stop):
-        at = piece.first - first
-        block = _convert(piece.data, description)[:, max(-at, 0) : stop - first - at]
-        samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
-    return samples
 
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything

@@ -117,8 +117,8 @@ def clock_of_blocks(time: Array) -> Rebuilt | None:
         return None
     error = float(np.sqrt(stray @ stray / max(len(t) - 2, 1) / spread))
     note = (
-        f"about {len(time) / len(last):.3g} rows share each time stamp: they were written in blocks, and a stamp is the time "
-        "at which a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
+        f"about {len(time) / len(last):.3g} rows share each time stamp: they were written in blocks, and a stamp is the "
+        "time at which a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
     )
     every = np.arange(len(time))
     return Rebuilt(period, error, float(stamp.mean() - period * at.mean()), every, every, note)
