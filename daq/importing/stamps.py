@@ -1,6 +1,5 @@
 """The even clock behind stamps that do not show it: rounded ones, rows stamped in blocks, a logger that changes its rate."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,10 +54,9 @@ def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float]
     """Return the least and the largest period of the lines between `low` and `high`, and the start in their middle."""
     from scipy.optimize import linprog
 
-    floor = _hull(zip(index.tolist(), low.tolist(), strict=True), 1.0)
-    ceiling = _hull(zip(index.tolist(), high.tolist(), strict=True), -1.0)
-    matrix = np.array([[-1.0, -i] for i, _ in floor] + [[1.0, i] for i, _ in ceiling])
-    bound = np.array([-v for _, v in floor] + [v for _, v in ceiling])
+    ones = np.ones(len(index))
+    matrix = np.column_stack([np.r_[-ones, ones], np.r_[-index, index]])
+    bound = np.r_[-low, high]
     free = [(None, None), (None, None)]
     ends = []
     for sign in (1.0, -1.0):
@@ -68,19 +66,6 @@ def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float]
         ends.append(np.asarray(found.x, dtype=np.float64))
     middle = 0.5 * (ends[0] + ends[1])
     return float(ends[0][1]), float(ends[1][1]), float(middle[0])
-
-
-def _hull(points: Iterable[tuple[float, float]], sign: float) -> list[tuple[float, float]]:
-    """Return the upper (`sign` 1) or the lower hull (-1) of points in rising order (monotone chain, Andrew 1979)."""
-    hull: list[tuple[float, float]] = []
-    for x, y in points:
-        while len(hull) > 1:
-            (a, b), (c, d) = hull[-2:]
-            if sign * ((c - a) * (y - b) - (d - b) * (x - a)) < 0.0:
-                break
-            hull.pop()
-        hull.append((x, y))
-    return hull
 
 
 @dataclass(frozen=True, eq=False)
