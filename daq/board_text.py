@@ -4,23 +4,18 @@ from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 from daq.plain_text import one_line
-from firmware_protocol import ChannelDescription, Describe, Event, Hello, Log, Message, Nack
+from firmware_protocol import Event, Hello, Log, Message, Nack
 
 _M = TypeVar("_M", bound=Message)
-_T = TypeVar("_T", bound=Message | ChannelDescription)
 
 
 def in_one_line(message: _M) -> _M:
-    """Return a message with each of its texts in one line; messages without text as they are."""
-    if isinstance(message, Describe):
-        return replace(message, channels=tuple(_plain(channel) for channel in message.channels))
-    return _plain(message) if isinstance(message, Hello | Event | Log | Nack) else message
-
-
-def _plain(value: _T) -> _T:
+    """Return a message with each of its texts in one line; those of DESCRIBE are made so in its `Channel`s."""
+    if not isinstance(message, Hello | Event | Log | Nack):
+        return message
     texts: dict[str, Any] = {
         field.name: one_line(text)
-        for field in fields(value)
-        if isinstance(text := getattr(value, field.name), str)
+        for field in fields(message)
+        if isinstance(text := getattr(message, field.name), str)
     }
-    return replace(value, **texts)
+    return replace(message, **texts)

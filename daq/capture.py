@@ -5,6 +5,7 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 """
 
 import time
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
@@ -115,13 +116,7 @@ class _Capture:
         sensors = tuple(
             known.pop(c.name, SensorInfo(channel=c.name, sensor=c.sensor)) for c in self._channels
         ) + tuple(known.values())
-        board = BoardInfo(
-            board=hello.board,
-            firmware=hello.firmware,
-            unique_id=hello.unique_id,
-            boot_id=hello.boot_id,
-            protocol=f"{hello.major}.{hello.minor}",
-        )
+        board = BoardInfo.model_validate({**asdict(hello), "protocol": f"{hello.major}.{hello.minor}"})
         changes = {
             "state": State.RECORDING,
             "sensors": sensors,

@@ -6,7 +6,7 @@ and from a board that rebooted. Nothing that arrives makes it raise: what contra
 `contradictions`, and what a capture does about it is the capture's affair.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -326,15 +326,21 @@ def _convert(data: Data, description: Describe) -> Array:
     return values
 
 
+def play(records: Iterable[Record], assembly: Assembly) -> Iterator[tuple[Record, tuple[Block | Gap, ...]]]:
+    """Pass the records of a raw log through an assembly, in order; yield each with what it brought."""
+    decoder = Decoder()
+    for record in records:
+        if record.kind is Kind.NOTE:
+            assembly.take_note(record.note())
+        frames = decoder.feed(record.payload) if record.kind is Kind.RECEIVED else ()
+        yield record, tuple(event for frame in frames for event in assembly.take(frame, record.time))
+
+
 def assemble(records: Iterable[Record]) -> Assembly:
     """Decode the records of a raw log, in order."""
-    decoder, assembly = Decoder(), Assembly()
-    for record in records:
-        if record.kind is Kind.RECEIVED:
-            for frame in decoder.feed(record.payload):
-                assembly.take(frame, record.time)
-        elif record.kind is Kind.NOTE:
-            assembly.take_note(record.note())
+    assembly = Assembly()
+    for _ in play(records, assembly):
+        pass
     return assembly
 
 

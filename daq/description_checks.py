@@ -83,9 +83,9 @@ def _told_apart(names: list[str]) -> list[str]:
     return given
 
 
-def foreign_unit(description: Describe) -> str:
+def foreign_unit(channels: Sequence[Channel]) -> str:
     """Warn, in words, of units that the protocol does not list; empty when it lists all."""
-    for channel in description.channels:
+    for channel in channels:
         units = UNITS.get(channel.quantity)
         if units and channel.unit not in units:
             return (

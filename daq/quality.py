@@ -187,7 +187,7 @@ def _board_reports(assembly: Assembly) -> Iterator[Suspicion]:
 
 def _integrity(assembly: Assembly, remarks: list[str]) -> Iterator[Suspicion]:
     """Hold the samples against DESCRIBE and END; where copies of samples differ, the checksum decides which was right."""
-    if assembly.description is not None and (unit := foreign_unit(assembly.description)):
+    if unit := foreign_unit(assembly.channels):
         yield Suspicion(False, unit, "put the factor to SI units into `scale` of the firmware")
     found = assembly.integrity()
     agrees = found.checksum is Outcome.AGREES
