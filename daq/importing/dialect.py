@@ -113,27 +113,21 @@ def is_comment(line: str) -> bool:
     return line.lstrip().startswith(COMMENTS)
 
 
-def _row_width(line: str, delimiter: str, decimal: str) -> int:
-    """Return the number of cells of a line that begins a row of numbers, 0 for any other line."""
-    cells, numbers, others = _counted(line, delimiter, decimal)
-    return cells if numbers and not others else 0
-
-
-def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
-    """As `_row_width`, for tables in which some column holds text: two numbers are enough."""
-    cells, numbers, _ = _counted(line, delimiter, decimal)
-    return cells if numbers >= 2 else 0
-
-
-def _counted(line: str, delimiter: str, decimal: str) -> tuple[int, int, int]:
-    """Count the cells of a line, those that are numbers, and those that are neither numbers nor empty."""
+def _row_width(line: str, delimiter: str, decimal: str, *, mixed: bool) -> int:
+    """Count the cells of a line that begins a row of numbers, 0 for any other line; in a `mixed` table, where some column
+    holds text, two numbers are enough.
+    """
     if is_comment(line) or not line.strip():
-        return 0, 0, 0
+        return 0
     cells = split(line, delimiter)
-    found = [parse_number(cell, decimal) for cell in cells[:64]]
-    clocks = sum(n is None and parse_clock(c) is not None for n, c in zip(found, cells[:64], strict=True))
-    missing = sum(number is None for number in found)
-    return len(cells), sum(n is not None and n == n for n in found) + clocks, missing - clocks
+    numbers = others = 0
+    for cell in cells[:64]:
+        number = parse_number(cell, decimal)
+        if number is None:
+            number = parse_clock(cell)
+        others += number is None
+        numbers += number is not None and number == number
+    return len(cells) if (numbers >= 2 if mixed else numbers and not others) else 0
 
 
 def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str, str]]:
@@ -171,10 +165,10 @@ def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Di
     Raises ImportProblem when there are no rows of numbers.
     """
     picked = _sample(lines)
-    for width_of in (_row_width, _mixed_row_width):
+    for mixed in (False, True):
         best: tuple[tuple[float, ...], Dialect] | None = None
         for delimiter, decimal in _candidates(wanted, [lines[i] for i in picked]):
-            widths = [width_of(lines[i], delimiter, decimal) for i in picked]
+            widths = [_row_width(lines[i], delimiter, decimal, mixed=mixed) for i in picked]
             start = _start(widths)
             if start is None:
                 continue
