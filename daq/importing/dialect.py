@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO, TextIOWrapper
+from itertools import accumulate
 from pathlib import Path
 
 from daq.importing import recipe
@@ -19,7 +20,7 @@ DELIMITERS = (";", "\t", ",", "|", BLANK)
 NAMES = {";": "semicolon", "\t": "tab", ",": "comma", "|": "bar", BLANK: "blank"}
 _SAMPLE_LINES = 300
 _SAMPLE_REST = 100
-_SAMPLE_CHARACTERS = 400_000
+_SAMPLE_CHARACTERS = 800_000
 _RUN = 3
 _ODD = tuple(bytes([code]) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31))
 
@@ -142,21 +143,11 @@ def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str,
 
 def _sample(lines: Sequence[str]) -> list[int]:
     """Return the numbers of the lines to look at: the first few hundred that are not blank, and some of the rest."""
-    picked: list[int] = []
-    size = 0
-    rest = range(0)
-    for i in range(len(lines)):
-        if lines[i].strip():
-            picked.append(i)
-            size += len(lines[i])
-        if len(picked) >= _SAMPLE_LINES or size > _SAMPLE_CHARACTERS:
-            rest = range(i + 1, len(lines), max(1, (len(lines) - i) // _SAMPLE_REST))
-            break
-    for i in rest:
-        size += len(lines[i])
-        if size < 2 * _SAMPLE_CHARACTERS and lines[i].strip():
-            picked.append(i)
-    return picked
+    written = [i for i, line in enumerate(lines) if line.strip()]
+    step = max(1, len(written) // _SAMPLE_REST)
+    picked = [*written[:_SAMPLE_LINES], *written[_SAMPLE_LINES::step]]
+    sizes = accumulate(len(lines[i]) for i in picked)
+    return [i for i, size in zip(picked, sizes, strict=True) if size < _SAMPLE_CHARACTERS] or picked[:1]
 
 
 def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Dialect:
