@@ -55,30 +55,21 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     )
     name = next((name for mark, name in marks if data.startswith(mark)), None)
     if name is None and b"\0" in data[:4000]:
-        head = data[:4000]
-        even, odd = head[0::2].count(0), head[1::2].count(0)
-        name = (
-            "utf-16-le" if odd > 0.8 * len(head) / 2 else "utf-16-be" if even > 0.8 * len(head) / 2 else None
-        )
-        if name is None:
+        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
+        if max(even, odd) <= 0.4 * len(data[:4000]):
             raise _binary(path)
-    wide = name is not None and name != "utf-8-sig"
-    if not wide and sum(map(data.count, _ODD)) > 3 + len(data) // 1000:
-        raise _binary(path)
+        name = "utf-16-le" if odd > even else "utf-16-be"
     try:
-        lines = _lines(data, name or "utf-8")
+        plain = data if name in (None, "utf-8-sig") else data.decode(name).encode()
+        if sum(map(plain.count, _ODD)) > 3 + len(data) // 1000:
+            raise _binary(path)
+        lines = _lines(plain, "utf-8-sig")
     except UnicodeError:
         if name is not None:
             raise problem(
                 path, f"begins as {name} text but does not continue as such", "save it again as text"
             ) from None
         lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
-    if (
-        wide
-        and sum(sum(map(line.encode("utf-8", "replace").count, _ODD)) for line in lines)
-        > 3 + len(data) // 1000
-    ):
-        raise _binary(path)
     return lines, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
 
 
