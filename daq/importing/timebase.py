@@ -260,9 +260,9 @@ def _in_order(
         return time, rows
     here, before = values[:, rows[same]], values[:, rows[same - 1]]
     twice = same[np.all((here == before) | (np.isnan(here) & np.isnan(before)), axis=0)]
-    if len(same) <= len(time) // 4 and (len(twice) == len(same) or _fits_better(time, same)):
-        keep = np.ones(len(time), dtype=bool)
-        keep[same] = False
+    keep = np.ones(len(time), dtype=bool)
+    keep[same] = False
+    if len(same) <= len(time) // 4 and (len(twice) == len(same) or _stray(time[keep]) < _stray(time)):
         line = table.line(int(rows[same[0]]))
         alike = "" if len(twice) == len(same) else " (with other values)"
         notes.append(
@@ -275,12 +275,9 @@ def _in_order(
     return time, rows
 
 
-def _fits_better(time: Array, same: Index) -> bool:
-    """Check whether the stamps are more even without the repetitions than with them."""
-    keep = np.ones(len(time), dtype=bool)
-    keep[same] = False
-    left = time[keep]
-    return _line(np.arange(len(left)), left)[2] < _line(np.arange(len(time)), time)[2]
+def _stray(time: Array) -> float:
+    """Return how far stamps stray from an even clock without holes (rms, s)."""
+    return _line(np.arange(len(time)), time)[2]
 
 
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:

@@ -34,7 +34,8 @@ def is_uff(data: bytes) -> bool:
 def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the time traces of a universal file as columns. Raises ImportProblem."""
     sets, kinds = _sets(path, data)
-    traces = [(number, trace) for number, trace in sets if _is_trace(trace)]
+    traces = [(n, t) for n, t in sets if int(t.get("func_type", -1)) in TIME_RESPONSES]
+    traces = [(n, t) for n, t in traces if np.size(t.get("data", ())) > 1 and not np.iscomplexobj(t["data"])]
     if not traces:
         found = ", ".join(str(k) for k in kinds[:8]) or "none"
         raise problem(
@@ -110,13 +111,6 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
     except Exception as error:
         said = " ".join(str(error).split())[:80] or type(error).__name__
         raise problem(path, f"is a damaged universal file ({said})", "export it again") from None
-
-
-def _is_trace(trace: dict[str, Any]) -> bool:
-    values = np.asarray(trace.get("data", ()))
-    return (
-        int(trace.get("func_type", -1)) in TIME_RESPONSES and values.size > 1 and not np.iscomplexobj(values)
-    )
 
 
 def _length(traces: list[tuple[int, dict[str, Any]]], recipe: Recipe) -> int:
