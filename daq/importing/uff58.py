@@ -14,12 +14,11 @@ from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
+from daq.importing.units import SI_ANGULAR, SI_LINEAR
 from daq.recording import Array
 
 TIME_RESPONSES = (0, 1)
 QUANTITY_CODES = {8: "displacement", 11: "velocity", 12: "acceleration", 9: "force", 13: "force"}
-SI = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N"}
-SI_ROTATION = {"displacement": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "Nm"}
 DIRECTIONS = {0: "", 1: "+X", 2: "+Y", 3: "+Z", 4: "+RX", 5: "+RY", 6: "+RZ"}
 DIRECTIONS |= {-k: text.replace("+", "-") for k, text in DIRECTIONS.items() if k}
 MAX_TRACES = 2000
@@ -129,7 +128,7 @@ def _quantity(trace: dict[str, Any]) -> tuple[str | None, str]:
     unit = str(trace.get("ordinate_axis_units_lab", "")).strip()
     if unit.lower() in NO_TEXT:
         rotation = abs(int(trace.get("rsp_dir", 0))) > 3
-        unit = (SI_ROTATION if rotation else SI)[quantity] if quantity else ""
+        unit = (SI_ANGULAR if rotation else SI_LINEAR)[quantity].si if quantity else ""
     return quantity, unit
 
 
