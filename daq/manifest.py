@@ -109,6 +109,14 @@ def read_manifest(folder: Path) -> Manifest:
     return manifest
 
 
+def known_manifest(folder: Path) -> Manifest | None:
+    """Read the manifest, None when there is none; SessionDamaged when it was altered."""
+    try:
+        return read_manifest(folder)
+    except NotASession:
+        return None
+
+
 def write_manifest(folder: Path, manifest: Manifest) -> None:
     """Write the manifest as a whole."""
     write_whole(folder / NAME, manifest.to_bytes())

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.errors import DataLost, NotASession, SessionChanged, SettingsError, StorageError
+from daq.errors import DataLost, SessionChanged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
@@ -17,6 +17,7 @@ from daq.manifest import (
     Manifest,
     entry,
     is_plain_name,
+    known_manifest,
     session_files,
 )
 from daq.noise_history import typical_noise
@@ -174,7 +175,7 @@ class Session(SessionReader):
     ) -> None:
         """Judge the recording, write metadata and manifest, and give the lock back."""
         with self._writing():
-            known = self._known_manifest()
+            known = known_manifest(self.folder)
             assembly = self.assembly()
             made = Manifest(
                 state=state,
@@ -220,12 +221,6 @@ class Session(SessionReader):
             files[name] = known[name] if keep else entry(read_regular(self.folder / name, MAX_LOG))
         return files
 
-    def _known_manifest(self) -> Manifest | None:
-        try:
-            return self.manifest()
-        except NotASession:
-            return None
-
     @contextmanager
     def _writing(self) -> Iterator[bool]:
         """Hold the lock; whether it was held before is given. A change that was cut off is completed first."""
@@ -242,7 +237,7 @@ class Session(SessionReader):
             self.release()
 
     def _change(self, contents: Mapping[str, bytes]) -> None:
-        known = self._known_manifest()
+        known = known_manifest(self.folder)
         if known is not None:
             commit(self.folder, contents, known.with_files(contents))
             return
