@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 import zlib
-from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
@@ -17,7 +16,7 @@ from daq.importing.errors import problem
 from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
 from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, common_length
 from daq.plain_text import one_line
 from daq.recording import Array
 
@@ -66,7 +65,7 @@ def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
             vectors.extend(_as_vectors(name, value))
     if not vectors:
         raise problem(path, "holds no vector of numbers", "save the time and the channels as vectors")
-    length = _length(path, vectors, recipe)
+    length = common_length(path, recipe, [((name,), len(values)) for name, values in vectors])
     kept = [(name, values) for name, values in vectors if len(values) == length]
     require_table(path, length, len(kept))
     columns = tuple(
@@ -139,19 +138,3 @@ def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:
     if matrix.shape[1] == 1:
         return [(name, matrix[:, 0])]
     return [(f"{name}(:,{i + 1})", matrix[:, i]) for i in range(min(matrix.shape[1], 200))]
-
-
-def _length(path: Path, vectors: list[tuple[str, Array]], recipe: Recipe) -> int:
-    """Return the length of the vectors that the options name, else the length that most numbers have."""
-    wanted = {f.name.casefold() for f in recipe.fields if f.role != "ignored"}
-    named = {len(values) for name, values in vectors if name.casefold() in wanted}
-    if len(named) > 1:
-        raise problem(
-            path,
-            f"the variables asked for have different lengths ({sorted(named)})",
-            "name variables of one length",
-        )
-    if named:
-        return named.pop()
-    lengths = Counter(len(values) for _, values in vectors)
-    return max(lengths, key=lambda n: (n >= 8, n * lengths[n]))

@@ -3,7 +3,6 @@
 import re
 import tempfile
 import warnings
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
 from daq.importing.recipe import Recipe
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, common_length
 from daq.importing.units import SI_ANGULAR, SI_LINEAR
 from daq.recording import Array
 
@@ -44,7 +43,8 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     notes = [f"universal file: {len(traces)} time traces in {len(kinds)} data sets"]
     if len(traces) < len(sets):
         notes.append(f"{len(sets) - len(traces)} data sets 58 are no real time responses and were left out")
-    length = _length(traces, recipe)
+    sizes = [((str(n), _label(t)), int(np.size(t["data"]))) for n, t in traces]
+    length = common_length(path, recipe, sizes)
     columns: list[SourceColumn] = []
     stamps = None
     for number, trace in traces:
@@ -110,16 +110,6 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
     except Exception as error:
         said = " ".join(str(error).split())[:80] or type(error).__name__
         raise problem(path, f"is a damaged universal file ({said})", "export it again") from None
-
-
-def _length(traces: list[tuple[int, dict[str, Any]]], recipe: Recipe) -> int:
-    """Return the length of the first trace asked for, else the commonest length, the longest among equals."""
-    wanted = {f.name or str(f.column) for f in recipe.fields if f.role != "ignored"}
-    for number, trace in traces:
-        if str(number) in wanted or _label(trace) in wanted:
-            return int(np.size(trace["data"]))
-    lengths = Counter(int(np.size(trace["data"])) for _, trace in traces)
-    return max(lengths, key=lambda n: (lengths[n], n))
 
 
 def _quantity(trace: dict[str, Any]) -> tuple[str | None, str]:
