@@ -1,7 +1,6 @@
 """A replay: a session's raw bytes through the same decoder as live, at any speed, to an observer."""
 
 import time
-from dataclasses import dataclass
 
 from daq.decode import Assembly, Block, play
 from daq.errors import SettingsError
@@ -14,21 +13,6 @@ from daq.session import Session
 LONGEST_PAUSE_S = 1.0
 
 
-@dataclass
-class _Pace:
-    """Sleeps so that records come `speed` times as fast as they did; 0 does not sleep."""
-
-    speed: float
-    before: float | None = None
-
-    def wait(self, moment: float) -> None:
-        if self.speed > 0 and self.before is not None:
-            pause = (moment - self.before) / self.speed
-            if pause > 0:
-                time.sleep(min(pause, LONGEST_PAUSE_S))
-        self.before = moment
-
-
 def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> Recording:
     """Show `observer` what it would have seen live and return the recording, which does not depend on the speed.
 
@@ -37,7 +21,8 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
     """
     if not 0 <= speed < float("inf"):
         raise SettingsError(f"the speed must be 0 or more, not {speed:g}")
-    assembly, pace, described = Assembly(), _Pace(speed), False
+    assembly, described = Assembly(), False
+    before: float | None = None
     for record, events in play(session.records(), assembly):
         if record.kind is Kind.NOTE:
             _note(assembly, observer, record)
@@ -47,7 +32,10 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
         imported = assembly.hello is not None and assembly.hello.firmware == FIRMWARE
         for event in events:
             if isinstance(event, Block):
-                pace.wait(event.first / assembly.rate if imported else record.time)
+                moment = event.first / assembly.rate if imported else record.time
+                if speed > 0 and before is not None and moment > before:
+                    time.sleep(min((moment - before) / speed, LONGEST_PAUSE_S))
+                before = moment
                 observer.block(event.first, event.samples)
             else:
                 observer.loss(event)

@@ -78,7 +78,7 @@ class Session(SessionReader):
             raise
         try:
             log.note(event="session", info=session.info.model_dump(mode="json"))
-            session._make_results()
+            make_inner(session.results)
             write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
         except BaseException:
@@ -114,7 +114,8 @@ class Session(SessionReader):
         session = cls.create(folder, info.model_copy(update=changes), log)
         try:
             if source is not None:
-                _store_source(session.folder / SOURCE, stored_name(source.name), content)
+                make_inner(session.folder / SOURCE)
+                write_whole(session.folder / SOURCE / stored_name(source.name), content)
             if recipe:
                 write_whole(session.folder / RECIPE, recipe.encode(errors="replace"))
             log.close()
@@ -162,7 +163,7 @@ class Session(SessionReader):
         with self._writing():
             for name, checksum in (seen or {}).items():
                 self._expect(name, checksum)
-            self._make_results()
+            make_inner(self.results)
             self._change(plain)
 
     def seal(
@@ -252,14 +253,6 @@ class Session(SessionReader):
                 " look at it and do this step again"
             )
 
-    def _make_results(self) -> None:
-        if self.results.is_symlink():
-            raise StorageError(f"{self.results} is a link to elsewhere; remove it, nothing was written")
-        try:
-            self.results.mkdir(exist_ok=True)
-        except OSError as error:
-            raise refused(self.results, error) from error
-
 
 def _to_bytes(info: SessionInfo) -> bytes:
     return info.model_dump_json(indent=1).encode() + b"\n"
@@ -299,9 +292,11 @@ def _judged(
     return made.model_copy(update=update), verdict.grade
 
 
-def _store_source(folder: Path, name: str, content: bytes) -> None:
+def make_inner(folder: Path) -> None:
+    """Make a folder within a session, if it is not there; StorageError for a link to elsewhere."""
+    if folder.is_symlink():
+        raise StorageError(f"{folder} is a link to elsewhere; remove it, nothing was written")
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise refused(folder, error) from error
-    write_whole(folder / name, content)

@@ -10,7 +10,7 @@ from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError,
 from daq.manifest import NAME as MANIFEST
 from daq.raw_log import MAX_LOG, Kind, Record, unpack
 from daq.session_changes import complete, is_cut_off
-from daq.session_folder import Session
+from daq.session_folder import Session, make_inner
 from daq.session_info import SessionInfo, State
 from daq.session_reading import INFO, RAW, read_info
 from daq.storage import Lock, read_regular, refused
@@ -105,7 +105,7 @@ def recover(folder: Path | str) -> Session:
         if info.state in (State.SEALED, State.RECOVERED) and os.path.lexists(folder / MANIFEST):
             session.release()
             return session
-        session._make_results()
+        make_inner(session.results)
         lost = "the manifest was missing" if info.state is State.SEALED else _UNSEALED
         what = info.reason or lost
         session.seal(State.RECOVERED, f"{what}; {len(raw.records)} records recovered, {raw.cut} bytes cut")

@@ -7,7 +7,7 @@ numbers in SI units. The source's own bytes are handed to `keep` before its samp
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
@@ -58,18 +58,6 @@ class _Run:
     checksum: int = 0
 
 
-@dataclass
-class _Out:
-    """Frames that wait to be read, numbered."""
-
-    frames: list[bytes] = field(default_factory=list)
-    sequence: int = 0
-
-    def say(self, message: Message) -> None:
-        self.frames.append(encode(message, self.sequence))
-        self.sequence = (self.sequence + 1) & 0xFFFFFFFF
-
-
 class SourceBoard:
     """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread.
 
@@ -82,7 +70,8 @@ class SourceBoard:
         self.name = self.description.name
         self.keep: Callable[[bytes], object] = len
         self._decoder = Decoder()
-        self._out = _Out()
+        self._frames: list[bytes] = []  # that wait to be read
+        self._sequence = 0
         self._run = _Run()
         self._lock = threading.Lock()
         self._booted = time.monotonic()
@@ -99,14 +88,14 @@ class SourceBoard:
                         self.keep(reading.raw)
                     if self._run.sampling:
                         self._take(reading)
-        elif not self._out.frames:
+        elif not self._frames:
             time.sleep(IDLE_S)
         with self._lock:
             now = time.monotonic()
             if now - self._beat > HEARTBEAT_S:
                 self._beat = now
-                self._out.say(Heartbeat(int((now - self._booted) * 1e6), 0, self._run.dropped))
-            frames, self._out.frames = self._out.frames, []
+                self._say(Heartbeat(int((now - self._booted) * 1e6), 0, self._run.dropped))
+            frames, self._frames = self._frames, []
         return b"".join(frames)
 
     def write(self, data: bytes) -> None:
@@ -126,29 +115,33 @@ class SourceBoard:
         if isinstance(message, OtherVersion):
             return
         if isinstance(message, HelloRequest):
-            self._out.say(
+            self._say(
                 Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])
             )
-            self._out.say(description_of(self.description.channels, self.description.rate_hz))
+            self._say(description_of(self.description.channels, self.description.rate_hz))
             for remark in self.description.remarks:
-                self._out.say(Log(remark[:250]))
+                self._say(Log(remark[:250]))
         elif isinstance(message, Stop):
             self._ack(frame, message)
             self._run.sampling = False
-            self._out.say(End(self._run.total, self._run.dropped, self._run.checksum))
+            self._say(End(self._run.total, self._run.dropped, self._run.checksum))
         elif isinstance(message, Start):
             self._source.start()
             self._run = _Run(sampling=True)
             self._ack(frame, message)
         elif isinstance(message, Config):
             self._ack(frame, message)
-            self._out.say(description_of(self.description.channels, self.description.rate_hz))
+            self._say(description_of(self.description.channels, self.description.rate_hz))
         elif isinstance(message, Resend):
             text = "a source keeps no samples"
-            self._out.say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
+            self._say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
+
+    def _say(self, message: Message) -> None:
+        self._frames.append(encode(message, self._sequence))
+        self._sequence = (self._sequence + 1) & 0xFFFFFFFF
 
     def _ack(self, frame: Frame, message: Message) -> None:
-        self._out.say(Ack(frame.sequence, TYPE_OF[type(message)]))
+        self._say(Ack(frame.sequence, TYPE_OF[type(message)]))
 
     def _take(self, reading: Reading) -> None:
         """Send samples as DATA; indices that were skipped are said to be dropped."""
@@ -169,7 +162,7 @@ class SourceBoard:
             first, stamp = reading.first + at, round(float(times[at]))
             content = part.tobytes()
             run.checksum = crc32(content, run.checksum)
-            self._out.say(
+            self._say(
                 Data(
                     first,
                     stamp,
