@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from daq.board_text import in_one_line
 from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
 from daq.integrity import Integrity, integrity
 from daq.losses import Losses
+from daq.plain_text import in_one_line
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
 from daq.sample_store import Piece, SampleStore
