@@ -5,6 +5,7 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 """
 
 import time
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
@@ -115,13 +116,7 @@ class _Capture:
         sensors = tuple(
             known.pop(c.name, SensorInfo(channel=c.name, sensor=c.sensor)) for c in self._channels
         ) + tuple(known.values())
-        board = BoardInfo(
-            board=hello.board,
-            firmware=hello.firmware,
-            unique_id=hello.unique_id,
-            boot_id=hello.boot_id,
-            protocol=f"{hello.major}.{hello.minor}",
-        )
+        board = BoardInfo.model_validate({**asdict(hello), "protocol": f"{hello.major}.{hello.minor}"})
         changes = {
             "state": State.RECORDING,
             "sensors": sensors,
@@ -169,7 +164,8 @@ class _Capture:
         for block in self._stream.during(settings.rest_timeout_s):
             period.feed(block.samples)
             if period.rest is not None and trigger is None:
-                trigger = Trigger(self._channels, self._rate, period.rest, settings.trigger_level)
+                history = self._link.assembly.between
+                trigger = Trigger(self._channels, self._rate, period.rest, history, settings.trigger_level)
             if trigger is not None and period.rest is not None:
                 self._early = self._triggered(trigger, block)
                 if period.complete or self._early is not None:
@@ -227,17 +223,32 @@ class _Capture:
         A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
         further.
         """
-        assembly, requests = self._link.assembly, _Requests(self._link)
-        checkable = True
+        assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
+        unanswered, checkable = 0, True
+
+        def over() -> bool:
+            return unanswered >= RESEND_ROUNDS or time.monotonic() >= until
+
+        def ask(hole: tuple[int, int]) -> bool | None:
+            """Ask for (first, count); return whether all of it is held, None when that is not known."""
+            nonlocal unanswered
+            if over():
+                return None
+            before = assembly.samples.received
+            held = self._link.resend(*hole, until)
+            came = assembly.samples.received > before
+            unanswered = 0 if came or held is not None else unanswered + 1
+            return held
+
         for _ in range(RESEND_ROUNDS):
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
             beside = _beside(assembly) if checkable else []
-            if requests.over or not (lost or beside):
+            if over() or not (lost or beside):
                 return
             self._stream.state("resending", f"asking again for {sum(n for _, n in (*lost, *beside))} samples")
             before = assembly.samples.received
-            refused = [hole for hole in lost if requests.ask(hole) is False]
-            checkable = not refused and all(requests.ask(hole) is not False for hole in beside)
+            refused = [hole for hole in lost if ask(hole) is False]
+            checkable = not refused and all(ask(hole) is not False for hole in beside)
             self._resent += assembly.samples.received - before
             if refused == lost and not checkable:
                 return
@@ -275,30 +286,6 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
-
-
-class _Requests:
-    """Requests for samples that stay within their time, and end with a board that does not answer."""
-
-    def __init__(self, link: Link) -> None:
-        self._link = link
-        self._until = time.monotonic() + RESEND_FOR_S
-        self._unanswered = 0
-
-    @property
-    def over(self) -> bool:
-        """Whether nothing is asked any more."""
-        return self._unanswered >= RESEND_ROUNDS or time.monotonic() >= self._until
-
-    def ask(self, hole: tuple[int, int]) -> bool | None:
-        """Ask for (first, count); return whether all of it is held, None when that is not known."""
-        if self.over:
-            return None
-        before = self._link.assembly.samples.received
-        held = self._link.resend(*hole, self._until)
-        came = self._link.assembly.samples.received > before
-        self._unanswered = 0 if came or held is not None else self._unanswered + 1
-        return held
 
 
 def _beside(assembly: Assembly) -> list[tuple[int, int]]:

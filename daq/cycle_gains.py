@@ -72,6 +72,7 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
     return period if period >= SHORTEST else None
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # where a channel stands still, its gain is unknown
 def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
     """Find where the gain of `x` jumps against `other`, or against itself a period earlier, while it is `moving`, (n,)."""
     span = np.flatnonzero(moving)
@@ -106,17 +107,15 @@ def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
     xx, xy, yy = (
         (a * b).sum(axis=1) for a, b in ((both[0], both[0]), (both[0], both[1]), (both[1], both[1]))
     )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        agree = (xy**2 > share * xx * yy) & (xx > SMALLEST**2 * xx.max()) & (yy > SMALLEST**4 * yy.max())
-        return np.asarray(np.where(agree, xy / xx, np.nan))
+    agree = (xy**2 > share * xx * yy) & (xx > SMALLEST**2 * xx.max()) & (yy > SMALLEST**4 * yy.max())
+    return np.asarray(np.where(agree, xy / xx, np.nan))
 
 
 def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
     """Find where the slope differs between windows before and after a reading, the largest of each group."""
     if len(slope) <= apart:
         return ()
-    with np.errstate(divide="ignore", invalid="ignore"):
-        change = np.log(np.abs(slope[apart:] / slope[:-apart]))
+    change = np.log(np.abs(slope[apart:] / slope[:-apart]))
     reverses = slope[apart:] * slope[:-apart] < 0.0
     change -= 0.5 * (
         _shifted(change, apart) + _shifted(change, -apart)
@@ -132,8 +131,7 @@ def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
 
 def _usual(slope: Array) -> float:
     """Return the median change of the slope from a window to the one half a period later (logarithm)."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        change = np.abs(np.diff(np.log(np.abs(slope[:: PIECES // 2])), 1))
+    change = np.abs(np.diff(np.log(np.abs(slope[:: PIECES // 2])), 1))
     known = change[np.isfinite(change)]
     return float(np.median(known)) if len(known) else 0.0
 
@@ -153,10 +151,9 @@ def _blips(slope: Array, in_phase: Mask, first: int, apart: int, hop: int) -> tu
     if len(slope) <= 2 * apart:
         return ()
     middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        around = np.log(before), np.log(after)
-        change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
-        goes_on = np.abs(np.log(slope)) < STRAIGHT
+    around = np.log(before), np.log(after)
+    change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
+    goes_on = np.abs(np.log(slope)) < STRAIGHT
     smooth = goes_on[: -2 * apart] & goes_on[2 * apart :]
     known = np.isfinite(change)
     if goes_on.sum() < SMOOTH * len(slope):

@@ -6,17 +6,17 @@ and from a board that rebooted. Nothing that arrives makes it raise: what contra
 `contradictions`, and what a capture does about it is the capture's affair.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from daq.board_text import in_one_line
 from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
 from daq.integrity import Integrity, integrity
 from daq.losses import Losses
+from daq.plain_text import in_one_line
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
 from daq.sample_store import Piece, SampleStore
@@ -164,12 +164,22 @@ class Assembly:
         """List the gaps of the recording so far, with reasons."""
         return self._gaps(self.samples.mask(self.start, self.stop), self.start)
 
+    def between(self, first: int, stop: int) -> Array:
+        """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
+        assert self.description is not None
+        samples = np.full((len(self.description.channels), stop - first), np.nan)
+        for piece in self.samples.within(first, stop):
+            at = piece.first - first
+            block = _convert(piece.data, self.description)[:, max(-at, 0) : stop - first - at]
+            samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
+        return samples
+
     def recording(self, notes: Iterable[str] = ()) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
         if not self.samples or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
-        samples = _values(self.samples, self.description, first, stop)
+        samples = self.between(first, stop)
         valid: Mask = np.all(np.isfinite(samples), axis=0)
         samples[:, ~valid] = np.nan
         trigger = self.window.trigger if self.window else None
@@ -303,16 +313,6 @@ def _objection(assembly: Assembly, data: Data) -> str | None:
     return None
 
 
-def _values(store: SampleStore, description: Describe, first: int, stop: int) -> Array:
-    """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
-    samples = np.full((len(description.channels), stop - first), np.nan)
-    for piece in store.within(first, stop):
-        at = piece.first - first
-        block = _convert(piece.data, description)[:, max(-at, 0) : stop - first - at]
-        samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
-    return samples
-
-
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def _convert(data: Data, description: Describe) -> Array:
     """Return samples in SI units, shape (channels, n)."""
@@ -326,15 +326,21 @@ def _convert(data: Data, description: Describe) -> Array:
     return values
 
 
+def play(records: Iterable[Record], assembly: Assembly) -> Iterator[tuple[Record, tuple[Block | Gap, ...]]]:
+    """Pass the records of a raw log through an assembly, in order; yield each with what it brought."""
+    decoder = Decoder()
+    for record in records:
+        if record.kind is Kind.NOTE:
+            assembly.take_note(record.note())
+        frames = decoder.feed(record.payload) if record.kind is Kind.RECEIVED else ()
+        yield record, tuple(event for frame in frames for event in assembly.take(frame, record.time))
+
+
 def assemble(records: Iterable[Record]) -> Assembly:
     """Decode the records of a raw log, in order."""
-    decoder, assembly = Decoder(), Assembly()
-    for record in records:
-        if record.kind is Kind.RECEIVED:
-            for frame in decoder.feed(record.payload):
-                assembly.take(frame, record.time)
-        elif record.kind is Kind.NOTE:
-            assembly.take_note(record.note())
+    assembly = Assembly()
+    for _ in play(records, assembly):
+        pass
     return assembly
 
 

@@ -1,11 +1,12 @@
 """Descriptions from a board and notes in a raw log, checked before they are used."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
 from daq.recording import Channel, Gap
-from firmware_protocol import Describe
+from firmware_protocol import ChannelDescription, Describe, SampleFormat
 
 MAX_RATE = 1e7
 MAX_ITEMS = 20_000
@@ -44,6 +45,32 @@ def channels_of(description: Describe) -> tuple[Channel, ...]:
     )
 
 
+def description_of(channels: Sequence[Channel], rate: float) -> Describe:
+    """Describe channels whose samples are sent in SI units, as 64-bit numbers, at `rate` Hz."""
+    described = (
+        ChannelDescription(
+            name=_fitting(c.name),
+            quantity=_fitting(c.quantity),
+            unit=_fitting(c.unit),
+            scale=1.0,
+            offset=0.0,
+            rate_hz=rate,
+            low=c.low,
+            high=c.high,
+            resolution=c.resolution,
+            group_delay_s=c.group_delay_s,
+            sensor=_fitting(c.sensor),
+        )
+        for c in channels
+    )
+    return Describe(SampleFormat.F64, tuple(described))
+
+
+def _fitting(text: str) -> str:
+    """Cut a text to what the wire carries, between two characters."""
+    return text.encode()[:255].decode(errors="ignore")
+
+
 def _told_apart(names: list[str]) -> list[str]:
     """Return the names, each followed by its number where an earlier channel has it already: a, a 2, a 3."""
     given: list[str] = []
@@ -56,9 +83,9 @@ def _told_apart(names: list[str]) -> list[str]:
     return given
 
 
-def foreign_unit(description: Describe) -> str:
+def foreign_unit(channels: Sequence[Channel]) -> str:
     """Warn, in words, of units that the protocol does not list; empty when it lists all."""
-    for channel in description.channels:
+    for channel in channels:
         units = UNITS.get(channel.quantity)
         if units and channel.unit not in units:
             return (

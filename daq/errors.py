@@ -3,7 +3,7 @@
     StationError               1  unexpected
     |- OperatorError           2  settings or usage
     |  |- SettingsError           a setting that cannot be met
-    |  |- UnreadableFile          a file that is not what it was said to be
+    |  |- ImportProblem           a file that cannot be read as it is (in `daq.importing`)
     |  |- SessionExists           a folder that already holds something
     |  |- NotASession             a folder that is no session
     |  |- NoRelease               armed, and nobody released the mass
@@ -53,10 +53,6 @@ class OperatorError(StationError):
 
 class SettingsError(OperatorError):
     """A setting is out of its range or contradicts another."""
-
-
-class UnreadableFile(OperatorError):
-    """A file is not what it was said to be; the message says where."""
 
 
 class SessionExists(OperatorError):

@@ -75,11 +75,8 @@ class FrameReader:
             for frame in self._decoder.feed(data):
                 self._queue.put((when, frame))
             if self._log.size - self._begun > self.most_bytes:
-                raise ProtocolError(self._too_much())
+                raise ProtocolError(
+                    f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than the request can"
+                    " need; check baud rate and port, or the board's firmware"
+                )
         return len(data)
-
-    def _too_much(self) -> str:
-        return (
-            f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than the request can"
-            " need; check baud rate and port, or the board's firmware"
-        )

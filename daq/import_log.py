@@ -5,11 +5,11 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.description_checks import MAX_RATE
+from daq.description_checks import MAX_RATE, description_of
 from daq.errors import SettingsError
 from daq.raw_log import Kind, RawLog
-from daq.recording import Channel, Recording, runs
-from firmware_protocol import ChannelDescription, Data, Describe, End, Hello, Message, SampleFormat, encode
+from daq.recording import Recording, runs
+from firmware_protocol import Data, End, Hello, Message, SampleFormat, encode
 
 ROOM_FOR_SAMPLES = 980
 FIRMWARE = "import"  # the HELLO of a recording that no board sent
@@ -40,7 +40,7 @@ def import_log(recording: Recording) -> RawLog:
 def _introduction(recording: Recording) -> bytes:
     try:
         hello = encode(Hello(boot_id=0, clock_hz=0, firmware=FIRMWARE), 0)
-        return hello + encode(_description(recording), 1)
+        return hello + encode(description_of(recording.channels, recording.rate), 1)
     except ValueError as error:
         n = len(recording.channels)
         raise SettingsError(f"{n} channels cannot be stored together: {error}") from error
@@ -72,28 +72,3 @@ def _messages(recording: Recording) -> list[Message]:
             messages.append(Data(first, when, 0, n, channels, SampleFormat.F64, samples))
     lost = int(len(recording.valid) - recording.valid.sum())
     return [*messages, End(len(recording.valid), lost, check)]
-
-
-def _description(recording: Recording) -> Describe:
-    return Describe(SampleFormat.F64, tuple(_channel(c, recording.rate) for c in recording.channels))
-
-
-def _channel(channel: Channel, rate: float) -> ChannelDescription:
-    return ChannelDescription(
-        name=_fitting(channel.name),
-        quantity=_fitting(channel.quantity),
-        unit=_fitting(channel.unit),
-        scale=1.0,
-        offset=0.0,
-        rate_hz=rate,
-        low=channel.low,
-        high=channel.high,
-        resolution=channel.resolution,
-        group_delay_s=channel.group_delay_s,
-        sensor=_fitting(channel.sensor),
-    )
-
-
-def _fitting(text: str) -> str:
-    """Cut a text to what the wire carries, between two characters."""
-    return text.encode()[:255].decode(errors="ignore")

@@ -11,8 +11,11 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from daq.errors import NotASession, SessionDamaged, StationError
+from daq.plain_text import first_fault
 from daq.quality import Verdict
 from daq.raw_log import MAX_LOG
+from daq.recording import Gap
+from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
 from daq.storage import TEMPORARY, Lock, digest, read_regular, staged, write_whole
 
@@ -30,27 +33,6 @@ class FileEntry(BaseModel):
 
     size: int = Field(ge=0)
     sha256: str = Field(pattern="^[0-9a-f]{64}$")
-
-
-class GapEntry(BaseModel):
-    """Samples `first` to `first + count - 1` of the recording that are lost."""
-
-    model_config = ConfigDict(frozen=True)
-
-    first: int
-    count: int
-    reason: str
-
-
-class FlagEntry(BaseModel):
-    """Samples `first` to `first + count - 1` of the recording in which a channel has a flag (`daq.reading_flags.Flag`)."""
-
-    model_config = ConfigDict(frozen=True)
-
-    channel: str
-    flag: str
-    first: int
-    count: int
 
 
 class Counts(BaseModel):
@@ -76,8 +58,8 @@ class Manifest(BaseModel):
     state: State
     files: dict[str, FileEntry]
     counts: Counts = Counts()
-    gaps: tuple[GapEntry, ...] = ()
-    flags: tuple[FlagEntry, ...] = ()
+    gaps: tuple[Gap, ...] = ()
+    flags: tuple[FlaggedRun, ...] = ()
     verdict: Verdict | None = None
 
     def to_bytes(self) -> bytes:
@@ -121,10 +103,18 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         manifest = Manifest.model_validate_json(data)
     except ValidationError as error:
-        raise SessionDamaged(f"{folder / NAME}: no manifest any more ({_first(error)})") from error
+        raise SessionDamaged(f"{folder / NAME}: no manifest any more ({first_fault(error)})") from error
     if manifest.to_bytes() != data:
         raise SessionDamaged(f"{folder / NAME}: its own checksum does not agree; it was altered")
     return manifest
+
+
+def known_manifest(folder: Path) -> Manifest | None:
+    """Read the manifest, None when there is none; SessionDamaged when it was altered."""
+    try:
+        return read_manifest(folder)
+    except NotASession:
+        return None
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
@@ -221,9 +211,3 @@ def _is_plain(path: Path) -> bool:
         return stat.S_ISREG(path.lstat().st_mode)
     except OSError:  # gone meanwhile
         return True
-
-
-def _first(error: ValidationError) -> str:
-    first = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in first["loc"])[:200]
-    return f"{where}: {first['msg']}" if where else str(first["msg"])

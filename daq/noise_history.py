@@ -1,17 +1,16 @@
 """The typical noise of a board: its noise at rest in the sessions beside this one."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from statistics import median
 
-from daq.errors import StorageError
+from daq.errors import StationError
 from daq.session_info import SessionInfo
-from daq.storage import read_regular
+from daq.session_reading import INFO, read_info
 
 FEWEST_SESSIONS = 3
 _MOST_SESSIONS = 50
-INFO = "session.json"
-_LARGEST = 1 << 20
 
 
 def typical_noise(folder: Path, info: SessionInfo) -> dict[str, float]:
@@ -40,7 +39,5 @@ def _neighbours(folder: Path) -> Iterator[SessionInfo]:
     except OSError:  # the folder was deleted
         return
     for file in files:
-        try:
-            yield SessionInfo.model_validate_json(read_regular(file, _LARGEST))
-        except (StorageError, ValueError):  # not a session, or one being written
-            continue
+        with suppress(StationError):  # not a session, or one being written
+            yield read_info(file.parent)

@@ -1,8 +1,13 @@
-"""Text of strangers in one line: what a file or a session's metadata say can forge no line of what is printed."""
+"""Text of strangers in one line: what a board, a file or a session's metadata say can forge no line of what is printed."""
 
-from typing import Annotated
+from dataclasses import fields, replace
+from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, ValidationError
+
+from firmware_protocol import Event, Hello, Log, Message, Nack
+
+_M = TypeVar("_M", bound=Message)
 
 _CONTROL = [*range(0x20), *range(0x7F, 0xA0)]
 _BREAKS_AND_TURNS = [*range(0x2028, 0x202F), *range(0x2066, 0x206A)]
@@ -12,6 +17,25 @@ _REPLACED = dict.fromkeys([*_CONTROL, *_BREAKS_AND_TURNS], "\N{REPLACEMENT CHARA
 def one_line(text: str) -> str:
     """Return `text` with every control character, line break and turn of direction replaced by a mark."""
     return text.translate(_REPLACED)
+
+
+def in_one_line(message: _M) -> _M:
+    """Return a message of a board with each of its texts in one line; those of DESCRIBE are made so in its `Channel`s."""
+    if not isinstance(message, Hello | Event | Log | Nack):
+        return message
+    texts: dict[str, Any] = {
+        field.name: one_line(text)
+        for field in fields(message)
+        if isinstance(text := getattr(message, field.name), str)
+    }
+    return replace(message, **texts)
+
+
+def first_fault(error: ValidationError) -> str:
+    """Say where the first fault of a validation is, and what it is."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(str(part) for part in first["loc"])[:200]
+    return f"{where}: {first['msg']}" if where else str(first["msg"])
 
 
 Line = Annotated[str, AfterValidator(one_line)]

@@ -47,7 +47,7 @@ AGAIN, AS_ROUGH, COARSE = 0.06, 0.3, 24.0
 
 
 class Flag(StrEnum):
-    """What is wrong with a reading; `LATE` is for readings that were not taken at their time."""
+    """What is wrong with a reading."""
 
     SATURATED = "saturated"
     STUCK = "stuck"
@@ -56,7 +56,6 @@ class Flag(StrEnum):
     SPIKE = "spike"
     GAIN = "gain changed"
     SIGN = "sign changed"
-    LATE = "late"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,33 +1,16 @@
 """A replay: a session's raw bytes through the same decoder as live, at any speed, to an observer."""
 
 import time
-from dataclasses import dataclass
 
-from daq.decode import Assembly, Block
+from daq.decode import Assembly, Block, play
 from daq.errors import SettingsError
 from daq.import_log import FIRMWARE
 from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
 from daq.recording import Recording
 from daq.session import Session
-from firmware_protocol import Decoder, Describe, Frame
 
 LONGEST_PAUSE_S = 1.0
-
-
-@dataclass
-class _Pace:
-    """Sleeps so that records come `speed` times as fast as they did; 0 does not sleep."""
-
-    speed: float
-    before: float | None = None
-
-    def wait(self, moment: float) -> None:
-        if self.speed > 0 and self.before is not None:
-            pause = (moment - self.before) / self.speed
-            if pause > 0:
-                time.sleep(min(pause, LONGEST_PAUSE_S))
-        self.before = moment
 
 
 def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> Recording:
@@ -38,25 +21,30 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
     """
     if not 0 <= speed < float("inf"):
         raise SettingsError(f"the speed must be 0 or more, not {speed:g}")
-    decoder, assembly, pace = Decoder(), Assembly(), _Pace(speed)
-    described = False
-    for record in session.records():
+    assembly, described = Assembly(), False
+    before: float | None = None
+    for record, events in play(session.records(), assembly):
         if record.kind is Kind.NOTE:
             _note(assembly, observer, record)
-        if record.kind is not Kind.RECEIVED:
-            continue
-        for frame in decoder.feed(record.payload):
-            _frame(assembly, observer, frame, record.time, pace)
-            if not described and isinstance(frame.message, Describe) and assembly.hello is not None:
-                described = True
-                observer.connected(assembly.hello, assembly.channels)
+        if not described and assembly.hello is not None and assembly.description is not None:
+            described = True
+            observer.connected(assembly.hello, assembly.channels)
+        imported = assembly.hello is not None and assembly.hello.firmware == FIRMWARE
+        for event in events:
+            if isinstance(event, Block):
+                moment = event.first / assembly.rate if imported else record.time
+                if speed > 0 and before is not None and moment > before:
+                    time.sleep(min((moment - before) / speed, LONGEST_PAUSE_S))
+                before = moment
+                observer.block(event.first, event.samples)
+            else:
+                observer.loss(event)
     observer.state("sealed", f"{session.info.verdict or session.info.state.value}: {session.folder}")
     return session.complete(assembly.recording())
 
 
 def _note(assembly: Assembly, observer: CaptureObserver, record: Record) -> None:
     note = record.note()
-    assembly.take_note(note)
     if note.get("event") == "start":
         observer.state("armed", "the board samples")
     if note.get("event") == "window" and assembly.window is not None:
@@ -64,13 +52,3 @@ def _note(assembly: Assembly, observer: CaptureObserver, record: Record) -> None
         if trigger is not None and assembly.rate:
             observer.state("triggered", f"released at {trigger / assembly.rate:.3f} s")
         observer.state("recording", f"{assembly.window.count} samples")
-
-
-def _frame(assembly: Assembly, observer: CaptureObserver, frame: Frame, when: float, pace: _Pace) -> None:
-    for event in assembly.take(frame, when):
-        if not isinstance(event, Block):
-            observer.loss(event)
-            continue
-        imported = assembly.hello is not None and assembly.hello.firmware == FIRMWARE
-        pace.wait(event.first / assembly.rate if imported else when)
-        observer.block(event.first, event.samples)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict
 
 from daq.cycle_gains import Step, cycle_length, gain_steps, own_change
 from daq.decode import Assembly
@@ -27,7 +28,10 @@ MOST_RUNS = 1000
 
 WORDS = {
     Flag.STUCK: ("is stuck while the mass moves,", "check the sensor of {} and its cable"),
-    Flag.REPEATED: ("repeats the reading before it", "check how the converter of {} is read, and how often"),
+    Flag.REPEATED: (
+        "repeats the reading before it",
+        "check how the converter of {} is read, and how often; write a row only for a new reading",
+    ),
     Flag.SATURATED: ("is cut off flat", "a smaller release, or a wider range of {}"),
     Flag.WRAPPED: (
         "wraps round from one end of its range to the other",
@@ -38,9 +42,10 @@ WORDS = {
 STEP_ADVICE = "check the amplifier, the range and the mounting of the sensor of {}"
 
 
-@dataclass(frozen=True)
-class FlaggedRun:
+class FlaggedRun(BaseModel):
     """Samples `first` to `first + count - 1` of the channel of that name, with one flag."""
+
+    model_config = ConfigDict(frozen=True)
 
     channel: str
     flag: Flag
@@ -227,4 +232,4 @@ def _runs(channel: Channel, flag: Flag, mask: Mask) -> Iterator[FlaggedRun]:
         found[np.r_[kept, -1], 1] if len(found) else [],
     )
     for first, stop in zip(firsts, stops, strict=True):
-        yield FlaggedRun(channel.name, flag, int(first), int(stop - first))
+        yield FlaggedRun(channel=channel.name, flag=flag, first=first, count=stop - first)

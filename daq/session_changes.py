@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from daq.errors import NotASession, StationError
-from daq.manifest import Manifest, read_manifest, write_manifest
+from daq.errors import StationError
+from daq.manifest import Manifest, known_manifest, write_manifest
 from daq.raw_log import MAX_LOG
 from daq.storage import TEMPORARY, digest, read_regular, refused, staged, sync_directory, write_new
 
@@ -47,7 +47,7 @@ def complete(folder: Path) -> tuple[str, ...]:
     """
     moved = []
     leftovers = list(_leftovers(folder))
-    manifest = _manifest(folder) if leftovers else None
+    manifest = known_manifest(folder) if leftovers else None
     for temporary, path in leftovers:
         name = path.relative_to(folder).as_posix()
         known = manifest.files.get(name) if manifest is not None and _changes(name) else None
@@ -77,13 +77,6 @@ def _leftovers(folder: Path) -> Iterator[tuple[Path, Path]]:
 def _changes(name: str) -> bool:
     """Check whether a file may ever change: the raw log and the source never do."""
     return name.startswith("results/") or ("/" not in name and name != "raw.log")
-
-
-def _manifest(folder: Path) -> Manifest | None:
-    try:
-        return read_manifest(folder)
-    except NotASession:
-        return None
 
 
 def _holds(temporary: Path, sha256: str) -> bool:

@@ -9,20 +9,19 @@ from pydantic import ValidationError
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.errors import DataLost, NotASession, SessionChanged, SettingsError, StorageError
+from daq.errors import DataLost, SessionChanged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
     FileEntry,
-    FlagEntry,
-    GapEntry,
     Manifest,
     entry,
     is_plain_name,
+    known_manifest,
     session_files,
-    write_manifest,
 )
 from daq.noise_history import typical_noise
+from daq.plain_text import first_fault
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
@@ -79,7 +78,7 @@ class Session(SessionReader):
             raise
         try:
             log.note(event="session", info=session.info.model_dump(mode="json"))
-            session._make_results()
+            make_inner(session.results)
             write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
         except BaseException:
@@ -115,7 +114,8 @@ class Session(SessionReader):
         session = cls.create(folder, info.model_copy(update=changes), log)
         try:
             if source is not None:
-                _store_source(session.folder / SOURCE, stored_name(source.name), content)
+                make_inner(session.folder / SOURCE)
+                write_whole(session.folder / SOURCE / stored_name(source.name), content)
             if recipe:
                 write_whole(session.folder / RECIPE, recipe.encode(errors="replace"))
             log.close()
@@ -136,8 +136,7 @@ class Session(SessionReader):
             try:
                 self.info = SessionInfo.model_validate({**known.model_dump(), **changes})
             except ValidationError as error:
-                first = error.errors(include_url=False, include_input=False)[0]
-                raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+                raise SettingsError(first_fault(error)) from error
             self._change({INFO: _to_bytes(self.info)})
 
     def write_result(self, name: str, data: str | bytes) -> Path:
@@ -164,7 +163,7 @@ class Session(SessionReader):
         with self._writing():
             for name, checksum in (seen or {}).items():
                 self._expect(name, checksum)
-            self._make_results()
+            make_inner(self.results)
             self._change(plain)
 
     def seal(
@@ -174,33 +173,28 @@ class Session(SessionReader):
         resent: int = 0,
         damaged_frames: int = 0,
         check_clock: bool = True,
-    ) -> Verdict | None:
-        """Judge the recording, write metadata and manifest, give the lock back, and return the verdict.
-
-        On a session that is sealed already it only notes the checksums of new results.
-        """
+    ) -> None:
+        """Judge the recording, write metadata and manifest, and give the lock back."""
         with self._writing():
-            known = self._known_manifest()
-            if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
-                write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
-                return known.verdict
+            known = known_manifest(self.folder)
             assembly = self.assembly()
-            verdict, gaps, flags, counts = _judge(self.folder, self.info, assembly, check_clock)
-            counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
+            made = Manifest(
+                state=state,
+                files=self._entries(known.files if known else {}),
+                counts=Counts(
+                    planned=self.info.planned_samples or 0, resent=resent, damaged_frames=damaged_frames
+                ),
+            )
+            sealed, grade = _judged(made, self.folder, self.info, assembly, check_clock)
             self.info = self.info.model_copy(
-                update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
+                update={"state": state, "reason": reason[:2000], "verdict": grade.value}
             )
             if assembly.origin != IMPORT:
                 rate_std = checked_rate(assembly, check_clock).std
                 self.info = self.info.model_copy(update={"rate_std_hz": rate_std or None})
-            files = self._entries(known.files if known else {})
-            sealed = Manifest(
-                state=state, files=files, counts=counts, gaps=gaps, flags=flags, verdict=verdict
-            )
             changed = {INFO: _to_bytes(self.info)}
             commit(self.folder, changed, sealed.with_files(changed))
             self.release()
-            return verdict
 
     def release(self) -> None:
         """Give the lock back; harmless when it is not held."""
@@ -228,12 +222,6 @@ class Session(SessionReader):
             files[name] = known[name] if keep else entry(read_regular(self.folder / name, MAX_LOG))
         return files
 
-    def _known_manifest(self) -> Manifest | None:
-        try:
-            return self.manifest()
-        except NotASession:
-            return None
-
     @contextmanager
     def _writing(self) -> Iterator[bool]:
         """Hold the lock; whether it was held before is given. A change that was cut off is completed first."""
@@ -250,7 +238,7 @@ class Session(SessionReader):
             self.release()
 
     def _change(self, contents: Mapping[str, bytes]) -> None:
-        known = self._known_manifest()
+        known = known_manifest(self.folder)
         if known is not None:
             commit(self.folder, contents, known.with_files(contents))
             return
@@ -265,14 +253,6 @@ class Session(SessionReader):
                 " look at it and do this step again"
             )
 
-    def _make_results(self) -> None:
-        if self.results.is_symlink():
-            raise StorageError(f"{self.results} is a link to elsewhere; remove it, nothing was written")
-        try:
-            self.results.mkdir(exist_ok=True)
-        except OSError as error:
-            raise refused(self.results, error) from error
-
 
 def _to_bytes(info: SessionInfo) -> bytes:
     return info.model_dump_json(indent=1).encode() + b"\n"
@@ -285,36 +265,38 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
     )
 
 
-def _judge(
-    folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
-) -> tuple[Verdict, tuple[GapEntry, ...], tuple[FlagEntry, ...], Counts]:
-    planned = info.planned_samples
+def _judged(
+    made: Manifest, folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
+) -> tuple[Manifest, Grade]:
+    """Complete a manifest with the verdict, counts, gaps and flags of a session's recording."""
     try:
         recording = assembly.recording()
     except DataLost:
-        nothing = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
-        return nothing, (), (), Counts(planned=planned or 0)
+        verdict = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
+        return made.model_copy(update={"verdict": verdict}), verdict.grade
     sensors = sensor_faults(recording, assembly)
     typical = typical_noise(folder, info)
-    verdict = judge(recording, assembly, planned, info.noise, check_clock, typical, sensors)
-    counts = Counts(
-        samples=len(recording.valid),
-        lost=int(len(recording.valid) - recording.valid.sum()),
-        planned=planned or 0,
-        frames=assembly.frames,
-        duplicates=assembly.samples.duplicates,
-    )
-    gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
-    flags = tuple(
-        FlagEntry(channel=run.channel, flag=run.flag.value, first=run.first, count=run.count)
-        for run in sensors.runs
-    )
-    return verdict, gaps, flags, counts
+    verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, typical, sensors)
+    counts = {
+        "samples": len(recording.valid),
+        "lost": int(len(recording.valid) - recording.valid.sum()),
+        "frames": assembly.frames,
+        "duplicates": assembly.samples.duplicates,
+    }
+    update = {
+        "counts": made.counts.model_copy(update=counts),
+        "gaps": recording.gaps,
+        "flags": sensors.runs,
+        "verdict": verdict,
+    }
+    return made.model_copy(update=update), verdict.grade
 
 
-def _store_source(folder: Path, name: str, content: bytes) -> None:
+def make_inner(folder: Path) -> None:
+    """Make a folder within a session, if it is not there; StorageError for a link to elsewhere."""
+    if folder.is_symlink():
+        raise StorageError(f"{folder} is a link to elsewhere; remove it, nothing was written")
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise refused(folder, error) from error
-    write_whole(folder / name, content)

@@ -8,7 +8,8 @@ from pydantic import ValidationError
 
 from daq.decode import Assembly, assemble
 from daq.errors import DataLost, NotASession, SessionDamaged, StorageError
-from daq.manifest import Manifest, is_plain_name, read_manifest
+from daq.manifest import Manifest, is_plain_name, known_manifest, read_manifest
+from daq.plain_text import first_fault
 from daq.quality import Verdict
 from daq.raw_log import Record, read
 from daq.recording import Channel, Recording
@@ -75,10 +76,8 @@ class SessionReader:
     @property
     def verdict(self) -> Verdict | None:
         """The verdict of the manifest; None when the session is not sealed."""
-        try:
-            return self.manifest().verdict
-        except NotASession:
-            return None
+        known = known_manifest(self.folder)
+        return known.verdict if known is not None else None
 
     def manifest(self) -> Manifest:
         """Read the manifest; NotASession when the session is not sealed, SessionDamaged when altered."""
@@ -103,9 +102,7 @@ def read_info(folder: Path) -> SessionInfo:
     try:
         return SessionInfo.model_validate_json(data)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"])[:200] or "it"
-        raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
+        raise SessionDamaged(f"{folder / INFO}: {first_fault(error)}; recover the session") from error
 
 
 def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:

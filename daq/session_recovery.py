@@ -8,9 +8,9 @@ from pydantic import ValidationError
 
 from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError, StorageError
 from daq.manifest import NAME as MANIFEST
-from daq.raw_log import MAX_LOG, Record, unpack
+from daq.raw_log import MAX_LOG, Kind, Record, unpack
 from daq.session_changes import complete, is_cut_off
-from daq.session_folder import Session
+from daq.session_folder import Session, make_inner
 from daq.session_info import SessionInfo, State
 from daq.session_reading import INFO, RAW, read_info
 from daq.storage import Lock, read_regular, refused
@@ -82,12 +82,8 @@ def finish_change(folder: Path) -> tuple[str, ...]:
     """Complete a change that a process left half-way; return the files that it changed. Errors as `recover`."""
     if not is_cut_off(folder):
         return ()
-    lock = Lock(folder)
-    lock.acquire()
-    try:
+    with Lock(folder):
         return complete(folder)
-    finally:
-        lock.release()
 
 
 def recover(folder: Path | str) -> Session:
@@ -101,8 +97,7 @@ def recover(folder: Path | str) -> Session:
     if not (folder / RAW).exists():
         raise NotASession(f"{folder}: there is no {RAW} in it, so there is nothing to recover")
     lock = Lock(folder)
-    lock.acquire()
-    try:
+    with lock:
         completed = complete(folder)
         raw = unpack(read_regular(folder / RAW, MAX_LOG))
         info = _info_again(folder, raw.records)
@@ -110,13 +105,11 @@ def recover(folder: Path | str) -> Session:
         if info.state in (State.SEALED, State.RECOVERED) and os.path.lexists(folder / MANIFEST):
             session.release()
             return session
-        session._make_results()
+        make_inner(session.results)
         lost = "the manifest was missing" if info.state is State.SEALED else _UNSEALED
         what = info.reason or lost
         session.seal(State.RECOVERED, f"{what}; {len(raw.records)} records recovered, {raw.cut} bytes cut")
         return session
-    finally:
-        lock.release()
 
 
 def _info_again(folder: Path, records: tuple[Record, ...]) -> SessionInfo:
@@ -125,7 +118,7 @@ def _info_again(folder: Path, records: tuple[Record, ...]) -> SessionInfo:
         return read_info(folder)
     except (NotASession, SessionDamaged):
         for record in records:
-            note = record.note() if record.kind == 3 else {}
+            note = record.note() if record.kind is Kind.NOTE else {}
             if note.get("event") == "session":
                 try:
                     return SessionInfo.model_validate(note.get("info"))

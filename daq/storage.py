@@ -210,6 +210,12 @@ class Lock:
         self.path = folder / self.NAME
         self._file: IO[bytes] | None = None
 
+    def __enter__(self) -> None:
+        self.acquire()
+
+    def __exit__(self, *reason: object) -> None:
+        self.release()
+
     def acquire(self, wait_s: float = 0.2) -> None:
         """Take the lock, within `wait_s` seconds where another has it, or raise SessionLocked."""
         until = time.monotonic() + wait_s

@@ -5,8 +5,9 @@ trigger waits for three swings that shrink at an even period, and then looks bac
 the motion began. Nothing is lost by waiting: every sample is kept from START on.
 """
 
-from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,6 @@ TIMES_NOISE = 30.0
 TIMES_RESOLUTION = 10.0
 EDGE_TIMES_NOISE = 5.0
 EDGE_SHARE = 0.001
-HISTORY_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -32,19 +32,30 @@ class Triggered:
 
 
 class Trigger:
-    """Feed it blocks from rest on; it returns the release once three free swings have followed it."""
+    """Feed it blocks from rest on; it returns the release once three free swings have followed it.
+
+    `history` gives samples `first` to `stop - 1` again, shape (channels, n), NaN where one is missing.
+    """
 
     def __init__(
-        self, channels: tuple[Channel, ...], rate: float, rest: Rest, level: float | None = None
+        self,
+        channels: tuple[Channel, ...],
+        rate: float,
+        rest: Rest,
+        history: Callable[[int, int], Array],
+        level: float | None = None,
     ) -> None:
         self._channels = channels
         self._rate = rate
         self._level = level
-        self._history = _History(len(channels), int(HISTORY_S * rate))
+        self._history = history
+        self._since: int | None = None
         self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTION]
         self._rows.sort(key=lambda i: MOTION.index(channels[i].quantity))
         self.rest = rest
-        self._swings = {row: TurningPoints(self._threshold(row)) for row in self._rows}
+        self._swings = {
+            row: TurningPoints(self._threshold(row), partial(self._part, row)) for row in self._rows
+        }
 
     def _threshold(self, row: int) -> float:
         channel, noise = self._channels[row], float(self.rest.noise[row])
@@ -63,7 +74,7 @@ class Trigger:
     @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, first: int, samples: Array) -> Triggered | None:
         """Take a block, shape (channels, n), from sample index `first` on; holes are allowed."""
-        self._history.add(first, samples)
+        self._since = first if self._since is None else self._since
         for row in self._rows:
             found = self._swings[row].feed(first, samples[row])
             if found is not None and self._counts(row, found):
@@ -110,10 +121,10 @@ class Trigger:
 
     def _leave(self, row: int, start: int, stop: int, moving: int) -> int:
         """Return the sample after the last one, before `moving`, that lies where `start` to `stop` lay."""
-        start = max(start, self._history.first)
-        held = self._history.part(row, start, stop)
+        start = max(start, self._since or 0)
+        held = self._part(row, start, stop)
         held = held[np.isfinite(held)]
-        away = np.abs(self._history.part(row, start, moving + 1) - np.median(held)) if len(held) else held
+        away = np.abs(self._part(row, start, moving + 1) - np.median(held)) if len(held) else held
         if not np.isfinite(away).any():
             return moving
         farthest = int(np.nanargmax(away))
@@ -124,37 +135,9 @@ class Trigger:
         return start + (int(still[-1]) + 1 if len(still) else 0)
 
     def _at(self, row: int, index: int) -> float:
-        values = self._history.part(row, index, index + 1)
-        return float(values[0]) if len(values) and index >= self._history.first else float("nan")
+        return float(self._part(row, index, index + 1)[0]) if index >= (self._since or 0) else float("nan")
 
-
-class _History:
-    """The newest samples of all channels, holes as NaN."""
-
-    def __init__(self, channels: int, longest: int) -> None:
-        self.first = 0
-        self._channels = channels
-        self._longest = longest
-        self._blocks: deque[Array] = deque()
-        self._held = 0
-
-    def add(self, first: int, samples: Array) -> None:
-        """Append a block."""
-        if not self._blocks:
-            self.first = first
-        missing = min(max(first - self.first - self._held, 0), self._longest)
-        for block in (np.full((self._channels, missing), np.nan), samples):
-            self._blocks.append(block)
-            self._held += block.shape[1]
-        self.first = first + samples.shape[1] - self._held
-        while self._held - self._blocks[0].shape[1] > self._longest:
-            dropped = self._blocks.popleft().shape[1]
-            self._held -= dropped
-            self.first += dropped
-
-    def part(self, row: int, start: int, stop: int) -> Array:
-        """Return samples `start` to `stop - 1` of one channel, as far as they are held."""
-        if len(self._blocks) > 1:
-            self._blocks = deque((np.concatenate(self._blocks, axis=1),))
-        values: Array = self._blocks[0][row, max(start - self.first, 0) : max(stop - self.first, 0)]
-        return values
+    def _part(self, row: int, start: int, stop: int) -> Array:
+        """Return samples `start` to `stop - 1` of one channel."""
+        samples: Array = self._history(start, max(start, stop))[row]
+        return samples

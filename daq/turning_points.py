@@ -1,9 +1,11 @@
 """Turning points of one channel, found as its samples come; motion below a threshold is ignored."""
 
-from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isnan
+
+import numpy as np
 
 from daq.recording import Array
 
@@ -11,7 +13,6 @@ REGULAR = 3
 GROWTH = 1.1
 SHRINK = 0.15
 UNEVEN = 1.67
-LONGEST_SWING = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -40,15 +41,18 @@ class FreeOscillation:
 
 
 class TurningPoints:
-    """The turning points of one channel that are at least `threshold` apart (channel's unit)."""
+    """The turning points of one channel that are at least `threshold` apart (channel's unit).
 
-    def __init__(self, threshold: float) -> None:
+    `history` gives samples `first` to `stop - 1` of it again, NaN where one is missing.
+    """
+
+    def __init__(self, threshold: float, history: Callable[[int, int], Array]) -> None:
         self.threshold = threshold
         self._turns: list[Turn] = []
         self._crossings: list[int] = []
         self._low = self._high = Turn(-1, float("nan"))
         self._direction = 0
-        self._path: deque[tuple[int, float]] = deque(maxlen=LONGEST_SWING)
+        self._history = history
 
     def feed(self, first: int, samples: Array) -> FreeOscillation | None:
         """Take samples, shape (n,), from index `first` on; return a free oscillation once three swings show it."""
@@ -60,7 +64,6 @@ class TurningPoints:
 
     def _step(self, index: int, value: float) -> bool:
         """Take one sample; return whether a turning point before it is now certain."""
-        self._path.append((index, value))
         if self._low.index < 0:
             self._low = self._high = Turn(index, value)
         if value > self._high.value:
@@ -77,8 +80,6 @@ class TurningPoints:
         self._direction = direction
         if self._turns:
             self._crossings.append(self._crossing(self._turns[-1], turn))
-        while self._path and self._path[0][0] < turn.index:
-            self._path.popleft()
         self._low = self._high = now
         self._turns = [*self._turns[-REGULAR:], turn]
         self._crossings = self._crossings[-REGULAR:]
@@ -86,12 +87,10 @@ class TurningPoints:
 
     def _crossing(self, before: Turn, after: Turn) -> int:
         """The last sample before `after` on the near side of the middle between the two."""
+        path = self._history(before.index, after.index)
         middle = (before.value + after.value) / 2
-        rising = after.value > before.value
-        for index, value in reversed(self._path):
-            if index < after.index and (value <= middle) == rising:
-                return index
-        return before.index
+        near = path <= middle if after.value > before.value else path > middle
+        return before.index + int(np.flatnonzero(near).max(initial=0))
 
     def _regular(self) -> FreeOscillation | None:
         """Return the last three swings if they shrink and their half periods agree."""

@@ -12,11 +12,11 @@ SHORTEST = 32
 
 @dataclass(frozen=True)
 class Suspicion:
-    """What the channels of a free oscillation say of their wiring; `certain` where nothing else explains it."""
+    """What speaks against a recording, and what to do about it ("" for nothing); `certain` ones reject it."""
 
     certain: bool
     reason: str
-    advice: str
+    advice: str = ""
 
 
 def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[Suspicion, ...]:

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from mocks import faults as wire
 from mocks import generate
-from mocks.announce import announced
 from mocks.broken_sensors import BROKEN_SENSORS
 from mocks.link import Link, PtyLink, TcpLink
 from mocks.misconfigurations import MISCONFIGURATIONS
@@ -39,8 +38,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         simulated.write_truth()
         print(f"port: {link.address}", flush=True)
-        with announced(link.address):
-            serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
+        serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
     finally:
         link.close()
     return 0

@@ -94,35 +94,15 @@ def _numbers(
 
 def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
     """Return the numbers of a clean table, shape (rows, columns), or None when some cell needs a closer look."""
-    delimiter = dialect.delimiter
-    if dialect.decimal == "," == delimiter:
+    if dialect.decimal == dialect.delimiter:
         return None
-    for lines in (*((body,) if dialect.decimal == "." else ()), (_clean(line, dialect) for line in body)):
-        try:
-            separator = None if delimiter == BLANK else delimiter
-            values = np.loadtxt(lines, delimiter=separator, comments=None, ndmin=2, encoding=None)
-        except (ValueError, IndexError, OverflowError):
-            continue
-        return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
-    return None
-
-
-def _clean(line: str, dialect: Dialect) -> str:
-    """Return a line with points as decimal signs and `nan` in its empty cells; ValueError where it has quotes."""
-    delimiter = dialect.delimiter
-    if '"' in line:
-        raise ValueError
-    if dialect.decimal == ",":
-        line = line.replace(",", ".")
-    if delimiter != BLANK:
-        if delimiter * 2 in line:
-            line = line.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-            line = line.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-        if line.endswith(delimiter):
-            line += "nan"
-        if line.startswith(delimiter):
-            line = f"nan{line}"
-    return line
+    lines = (line.replace(",", ".") for line in body) if dialect.decimal == "," else body
+    separator = None if dialect.delimiter == BLANK else dialect.delimiter
+    try:
+        values = np.loadtxt(lines, delimiter=separator, comments=None, ndmin=2, encoding=None)
+    except (ValueError, IndexError, OverflowError):
+        return None
+    return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
 
 
 def _cell_by_cell(
@@ -197,10 +177,8 @@ def _counts(column: Parsed) -> bool:
 
 
 def _has_number(cells: Sequence[str], decimal: str) -> bool:
-    for cell in cells:
-        number = parse_number(cell, decimal)
-        if number is not None and not math.isnan(number):
-            return True
-        if ":" in cell and any(c.isdigit() for c in cell):
-            return True
-    return False
+    """Check whether a row holds a number or a time of day, or nothing at all, but no text alone."""
+    numbers = [parse_number(cell, decimal) for cell in cells]
+    if any(number is not None and not math.isnan(number) for number in numbers):
+        return True
+    return None not in numbers or any(":" in cell and any(map(str.isdigit, cell)) for cell in cells)

@@ -6,8 +6,6 @@ nothing in the source predicts, so that its difference to the source's derivativ
 itself. The differences that loggers use are tried.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from daq.importing.quantisation import rounding
@@ -28,14 +26,6 @@ FIRST = (
 )
 
 
-@dataclass(frozen=True)
-class Derivation:
-    """How well a finite difference of the source gives the channel: rms left over, and rms of the channel."""
-
-    residual: float
-    rms: float
-
-
 def find_derivation(
     source: Array,
     channel: Array,
@@ -43,8 +33,9 @@ def find_derivation(
     order: int,
     stamps: Array | None = None,
     steps: tuple[Array, Array] | None = None,
-) -> Derivation | None:
-    """Find out whether `channel` was computed as the derivative of that `order` of `source`; None if it was not.
+) -> float | None:
+    """Find out whether `channel` was computed as the derivative of that `order` of `source`; None if it was not, else the
+    rms that the computation leaves, as a share of the channel's.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
     a logger divides by its own time steps. `steps`, of shape (n,) each, are the steps to which the numbers of source
@@ -63,7 +54,7 @@ def find_derivation(
             found = _by_kernel(
                 x, y * local**order, _power(kernel, order) * rate**order, (dx, dy), order, rate
             )
-            if found:
+            if found is not None:
                 return found
     return None
 
@@ -88,7 +79,7 @@ def _power(kernel: tuple[float, ...], order: int) -> Array:
 
 def _by_kernel(
     x: Array, y: Array, kernel: Array, steps: tuple[Array, Array], order: int, rate: float
-) -> Derivation | None:
+) -> float | None:
     """Try one known difference: hardly a sample may be further off than rounding can put it, the gain must be 1, and
     either it explains the channel's noise or it shows the very droop and delay of this difference.
     """
@@ -114,7 +105,7 @@ def _by_kernel(
     noise = _noise(target)
     explains = _is_noisy(target, step) and _noise(residual) < 0.6 * noise
     droops = gain_error < 5.0 * gain_std and _departure(target, kernel, order, rate) > 12.0 * gain_std
-    return Derivation(left, _rms(target)) if explains or droops else None
+    return left / _rms(target) if explains or droops else None
 
 
 def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:

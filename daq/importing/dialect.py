@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO, TextIOWrapper
+from itertools import accumulate
 from pathlib import Path
 
 from daq.importing import recipe
@@ -19,7 +20,7 @@ DELIMITERS = (";", "\t", ",", "|", BLANK)
 NAMES = {";": "semicolon", "\t": "tab", ",": "comma", "|": "bar", BLANK: "blank"}
 _SAMPLE_LINES = 300
 _SAMPLE_REST = 100
-_SAMPLE_CHARACTERS = 400_000
+_SAMPLE_CHARACTERS = 800_000
 _RUN = 3
 _ODD = tuple(bytes([code]) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31))
 
@@ -54,30 +55,21 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     )
     name = next((name for mark, name in marks if data.startswith(mark)), None)
     if name is None and b"\0" in data[:4000]:
-        head = data[:4000]
-        even, odd = head[0::2].count(0), head[1::2].count(0)
-        name = (
-            "utf-16-le" if odd > 0.8 * len(head) / 2 else "utf-16-be" if even > 0.8 * len(head) / 2 else None
-        )
-        if name is None:
+        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
+        if max(even, odd) <= 0.4 * len(data[:4000]):
             raise _binary(path)
-    wide = name is not None and name != "utf-8-sig"
-    if not wide and sum(map(data.count, _ODD)) > 3 + len(data) // 1000:
-        raise _binary(path)
+        name = "utf-16-le" if odd > even else "utf-16-be"
     try:
-        lines = _lines(data, name or "utf-8")
+        plain = data if name in (None, "utf-8-sig") else data.decode(name).encode()
+        if sum(map(plain.count, _ODD)) > 3 + len(data) // 1000:
+            raise _binary(path)
+        lines = _lines(plain, "utf-8-sig")
     except UnicodeError:
         if name is not None:
             raise problem(
                 path, f"begins as {name} text but does not continue as such", "save it again as text"
             ) from None
         lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
-    if (
-        wide
-        and sum(sum(map(line.encode("utf-8", "replace").count, _ODD)) for line in lines)
-        > 3 + len(data) // 1000
-    ):
-        raise _binary(path)
     return lines, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
 
 
@@ -113,27 +105,21 @@ def is_comment(line: str) -> bool:
     return line.lstrip().startswith(COMMENTS)
 
 
-def _row_width(line: str, delimiter: str, decimal: str) -> int:
-    """Return the number of cells of a line that begins a row of numbers, 0 for any other line."""
-    cells, numbers, others = _counted(line, delimiter, decimal)
-    return cells if numbers and not others else 0
-
-
-def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
-    """As `_row_width`, for tables in which some column holds text: two numbers are enough."""
-    cells, numbers, _ = _counted(line, delimiter, decimal)
-    return cells if numbers >= 2 else 0
-
-
-def _counted(line: str, delimiter: str, decimal: str) -> tuple[int, int, int]:
-    """Count the cells of a line, those that are numbers, and those that are neither numbers nor empty."""
+def _row_width(line: str, delimiter: str, decimal: str, *, mixed: bool) -> int:
+    """Count the cells of a line that begins a row of numbers, 0 for any other line; in a `mixed` table, where some column
+    holds text, two numbers are enough.
+    """
     if is_comment(line) or not line.strip():
-        return 0, 0, 0
+        return 0
     cells = split(line, delimiter)
-    found = [parse_number(cell, decimal) for cell in cells[:64]]
-    clocks = sum(n is None and parse_clock(c) is not None for n, c in zip(found, cells[:64], strict=True))
-    missing = sum(number is None for number in found)
-    return len(cells), sum(n is not None and n == n for n in found) + clocks, missing - clocks
+    numbers = others = 0
+    for cell in cells[:64]:
+        number = parse_number(cell, decimal)
+        if number is None:
+            number = parse_clock(cell)
+        others += number is None
+        numbers += number is not None and number == number
+    return len(cells) if (numbers >= 2 if mixed else numbers and not others) else 0
 
 
 def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str, str]]:
@@ -148,21 +134,11 @@ def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str,
 
 def _sample(lines: Sequence[str]) -> list[int]:
     """Return the numbers of the lines to look at: the first few hundred that are not blank, and some of the rest."""
-    picked: list[int] = []
-    size = 0
-    rest = range(0)
-    for i in range(len(lines)):
-        if lines[i].strip():
-            picked.append(i)
-            size += len(lines[i])
-        if len(picked) >= _SAMPLE_LINES or size > _SAMPLE_CHARACTERS:
-            rest = range(i + 1, len(lines), max(1, (len(lines) - i) // _SAMPLE_REST))
-            break
-    for i in rest:
-        size += len(lines[i])
-        if size < 2 * _SAMPLE_CHARACTERS and lines[i].strip():
-            picked.append(i)
-    return picked
+    written = [i for i, line in enumerate(lines) if line.strip()]
+    step = max(1, len(written) // _SAMPLE_REST)
+    picked = [*written[:_SAMPLE_LINES], *written[_SAMPLE_LINES::step]]
+    sizes = accumulate(len(lines[i]) for i in picked)
+    return [i for i, size in zip(picked, sizes, strict=True) if size < _SAMPLE_CHARACTERS] or picked[:1]
 
 
 def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Dialect:
@@ -171,10 +147,10 @@ def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Di
     Raises ImportProblem when there are no rows of numbers.
     """
     picked = _sample(lines)
-    for width_of in (_row_width, _mixed_row_width):
+    for mixed in (False, True):
         best: tuple[tuple[float, ...], Dialect] | None = None
         for delimiter, decimal in _candidates(wanted, [lines[i] for i in picked]):
-            widths = [width_of(lines[i], delimiter, decimal) for i in picked]
+            widths = [_row_width(lines[i], delimiter, decimal, mixed=mixed) for i in picked]
             start = _start(widths)
             if start is None:
                 continue

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from daq.errors import UnreadableFile
+from daq.errors import OperatorError
 
 
-class ImportProblem(UnreadableFile):
+class ImportProblem(OperatorError):
     """A file that cannot be imported as it stands, or an option that does not fit it (exit code 2)."""
 
 

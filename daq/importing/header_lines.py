@@ -6,29 +6,14 @@ from collections.abc import Sequence
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, Dialect, is_comment, split
 from daq.importing.numbers import parse_number
+from daq.importing.rates import rate_in
 from daq.importing.units import parse_unit
 
-_NUMBER = r"([-+]?\d[\d.]*(?:[,.]\d+)?(?:[eE][-+]?\d+)?)"
-_RATE_NAMES = (
-    r"sampl\w*[\s_-]*(?:rate|freq\w*)|samplerate|abtastrate|abtastfrequenz|fr[eé]quence\s+d.[eé]chantillonnage|"
-    r"frecuencia\s+de\s+muestreo|frequenza\s+di\s+campionamento|frame[\s_-]*rate|bildrate|\bfps\b|\bfs\b"
-)
-_STEP_NAMES = (
-    r"sampl\w*[\s_-]*(?:interval|period|time|step)|abtastintervall|abtastzeit|time[\s_-]*step|zeitschritt|"
-    r"\bdt\b|\bts\b|\bdelta[\s_-]?[tx]\b"
-)
-_RATE = re.compile(rf"(?:{_RATE_NAMES})\W*?{_NUMBER}\s*(k?Hz)?", re.I)
-_BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|samples/s|fps)", re.I)
-_FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
-_STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
-_ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
 _WORD = re.compile(r"[^\W\d_][^\W_]{0,7}(?:[/*]\(?[^\W\d_][^\W_]{0,3}(?:\^?[-\d]{0,2}))?|°(?:/s)?")
 MOST_UNITS = 100
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
 LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
 """So a line of a log ends, and no row of names."""
-LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
-_STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 
 
 def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[str], list[str]]:
@@ -44,7 +29,7 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
         if width == 1 and not any(map(str.isalpha, line)):
             above.clear()  # settings in numbers: what stands over them are their names
             continue
-        if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
+        if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
         above.append(_cells_of(line, dialect, width))
     fitting = [cells for cells in above if _fits(cells, width)]
@@ -126,23 +111,7 @@ def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
 def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:
     """Return the sampling rate that the lines above the table name, and the line, or None."""
     for i, line in enumerate(lines[: min(dialect.start, 200)]):
-        rate = _rate_in(line[:300], dialect.decimal)
+        rate = rate_in(line[:300], dialect.decimal)
         if rate is not None:
             return rate, f"line {i + 1}"
     return None, ""
-
-
-def _rate_in(line: str, decimal: str) -> float | None:
-    for form in (_RATE, _BARE_RATE, _FRAMES, _STEP, _ALONE):
-        match = form.fullmatch(line) if form is _ALONE else form.search(line)
-        number = parse_number(match[1], "," if decimal == "," else ".") if match else None
-        if match is None or number is None or not 0.0 < number < 1e9:
-            continue
-        unit = (match[2] or "").lower() if form is not _FRAMES else ""
-        if form is _STEP:
-            step = number * _STEP_SCALE.get(unit, 1.0)
-            if step > LONGEST_STEP or line[match.end(1) : match.end(1) + 1] in (":", "-", "/"):
-                continue
-            return 1.0 / step
-        return number * (1e3 if unit == "khz" else 1.0)
-    return None

@@ -6,15 +6,11 @@ where a film's frames were doubled to a higher rate, new readings come in nearly
 tell the clock: each lies in the last part of a period, as long as the period is longer than the interval.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.quantisation import quantum
+from daq.importing.stamps import Rebuilt
 from daq.recording import Array, Mask
-
-Index = NDArray[np.int64]
 
 LARGE_STEP = 4.0
 """Quanta of a step between two rows, so large that neither repeats by rounding."""
@@ -36,21 +32,7 @@ AS_HIGH = 0.9
 PEAK_WIDTH = 10  # of the periods that are tried: the width of a peak
 
 
-@dataclass(frozen=True, eq=False)
-class Held:
-    """The sensor's own clock: its period (s) with its standard error, the `rows` that hold its readings, (m,), and which
-    reading each is, `index` (m,); `start` is the time of reading 0 and `share` the share of rows that repeat one.
-    """
-
-    period: float
-    period_std: float
-    start: float
-    rows: Index
-    index: Index
-    share: float
-
-
-def held_readings(time: Array, values: Array) -> Held | None:
+def held_readings(time: Array, values: Array) -> Rebuilt | None:
     """Return the sensor's clock behind rows with rising stamps `time` (n,), s, and `values` (channels, n); None where
     rows do not repeat readings, or not by a clock.
     """
@@ -72,32 +54,6 @@ def held_readings(time: Array, values: Array) -> Held | None:
     if clock is None:
         return None
     return _on_its_clock(time, *clock, asked, float(np.mean(~new)))
-
-
-@dataclass(frozen=True)
-class Repeated:
-    """Readings that are held, but by no clock: the `share` (0 to 1) of the rows that repeat one, the `longest` hold (s)."""
-
-    share: float
-    longest: float
-
-
-def repeated_readings(time: Array, values: Array) -> Repeated | None:
-    """Return which share of rows repeats the one before between large steps of `values` (channels, n); None where few do.
-
-    For rows that `held_readings` finds no clock behind: what was read when is not known then.
-    """
-    if len(time) < 2 * FEWEST_CHANGES or not np.isfinite(time).all():
-        return None
-    new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
-    size, at = _steps_in_quanta(values), np.flatnonzero(new)
-    large = size[at] > LARGE_STEP
-    between = large[1:] & large[:-1]
-    held = (np.diff(at) - 1)[between]
-    if held.sum() < max(FEWEST_REPEATS, REPEATED[0] * len(time)):
-        return None
-    longest = float(np.max((time[at[1:] - 1] - time[at[:-1]])[between]))
-    return Repeated(float(np.mean(~new)), longest)
 
 
 def _steps_in_quanta(values: Array) -> Array:
@@ -187,7 +143,9 @@ def _nearest_of_the_best(bunched: Array, middle: int) -> int:
     return int(group[np.argmax(bunched[group])])
 
 
-def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: float, share: float) -> Held:
+def _on_its_clock(
+    time: Array, period: float, std: float, centre: float, asked: float, share: float
+) -> Rebuilt:
     """Return the last row of each period around the times at which new readings are seen; periods without a row are lost."""
     first = int(np.ceil((time[0] - centre) / period - 0.5))
     last = int(np.floor((time[-1] - centre) / period + 0.5))
@@ -197,6 +155,10 @@ def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: 
     there = (rows >= 0) & (time[np.maximum(rows, 0)] >= begin)
     number, rows = number[there], rows[there]
     start = centre + number[0] * period - 0.5 * asked
-    return Held(
-        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share
+    note = (
+        f"{100.0 * share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
+        "than it answers; its own readings, {}, were taken (--rate keeps all rows)"
+    )
+    return Rebuilt(
+        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), note
     )

@@ -13,6 +13,7 @@ import numpy as np
 from daq.importing.errors import problem
 from daq.importing.limits import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, require_size, require_table
 from daq.importing.numbers import parse_clock, parse_number
+from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -22,21 +23,15 @@ MOST_MEMORY = 600_000_000
 BYTES_FOR = ((b"{", 250), (b"[", 100), (b",", 40), (b"", 5))
 """What Python keeps for an object, a list, a member, and each byte at most, bytes."""
 DEEPEST_TABLE, DEEPEST = 5, 20
-_RATE = re.compile(
-    r"(?:sampl\w*[\s_-]*)?(?:rate|freq\w*)(?:[\s_-]*\(?k?hz\)?)?|fs|fps|samplerate|abtastrate", re.I
-)
-_STEP = re.compile(
-    r"dt|ts|(?:sampl\w*[\s_-]*|time[\s_-]*)(?:interval|period|step)(?:[\s_-]*\(?m?s\)?)?", re.I
-)
 _UNITS = re.compile(r"(.*\S)[\s_-]+units?|units?[\s_-]+(?:of[\s_-]+)?(.*\S)", re.I)
 _NAMES = ("columns", "names", "header", "headers", "fields", "channels", "labels", "keys", "variables")
 
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """A table: the keys it stands under, the names of its columns ("" without), their numbers."""
+    """A table: the path of keys it stands under, `a.2.b`, the names of its columns ("" without), their numbers."""
 
-    keys: tuple[str, ...]
+    path: str
     names: tuple[str, ...]
     columns: tuple[Array, ...]
 
@@ -64,8 +59,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         )  # fmt: skip
     document = _document(path, data, recipe.encoding)
     wanted = recipe.dialect
-    keys = _keys(document, (wanted.property or "").split("."))
-    found = _table_in(_under(document, keys), keys, 0)
+    found = _table_in(_way(document, wanted.property or "")[-1], wanted.property or "", 0)
     if found is None:
         raise problem(
             path, f"holds no table of numbers{f' under {wanted.property!r}' if wanted.property else ''}",
@@ -74,8 +68,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     require_table(path, len(found.columns[0]), len(found.columns))
     settings: dict[str, Any] = {}
     names = found.names
-    for depth in range(len(found.keys) + 1):
-        node = _under(document, found.keys[:depth])
+    for node in _way(document, found.path):
         settings |= dict(_scalars(node))
         names = names if any(names) else _said_names(node, len(names)) or names
     units = [(m, value) for name, value in settings.items() if (m := _UNITS.fullmatch(name))]
@@ -86,10 +79,9 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     ]
     if wanted.item_keys:
         made = [column for name in wanted.item_keys for column in made if column.label == name]
-    key = ".".join(found.keys)
-    note = f"JSON{f', key {key!r}' if key else ''}: {len(found.columns[0])} rows, {len(made)} columns"
-    used = wanted.model_copy(update={"property": key if 0 < len(key) <= LONGEST_NAME else None})
-    rate, source = _rate(settings)
+    note = f"JSON{f', key {found.path!r}' if found.path else ''}: {len(found.columns[0])} rows, {len(made)} columns"
+    used = wanted.model_copy(update={"property": found.path if 0 < len(found.path) <= LONGEST_NAME else None})
+    rate, source = rate_of(settings)
     return Table(
         path, tuple(made), None, rate, source, (note,), format="json", encoding=recipe.encoding, dialect=used
     )
@@ -113,22 +105,13 @@ def _document(path: Path, data: bytes, encoding: str | None) -> Any:
         ) from None
 
 
-def _under(node: Any, keys: Sequence[str]) -> Any:
-    """Look up keys, a list's members by their numbers from 1; None where nothing does."""
-    for key in keys:
-        node = dict(_members(node)).get(key)
-    return node
-
-
-def _keys(node: Any, parts: Sequence[str]) -> tuple[str, ...]:
-    """Return the keys that a `property` names; a key may have points in it, too."""
-    keys: tuple[str, ...] = ()
-    while any(parts):
-        there = dict(_members(_under(node, keys)))
-        ends = range(len(parts), 0, -1)
-        end = next((end for end in ends if ".".join(parts[:end]) in there), len(parts))
-        keys, parts = (*keys, ".".join(parts[:end])), parts[end:]
-    return keys
+def _way(node: Any, path: str) -> list[Any]:
+    """List the nodes from this one to that under a path, None last where there is none; a key may have points in it."""
+    if not path:
+        return [node]
+    inner = dict(_members(node))
+    key = max((name for name in inner if f"{path}.".startswith(f"{name}.")), key=len, default=None)
+    return [node, *(_way(inner[key], path[len(key) + 1 :]) if key is not None else [None])]
 
 
 def _members(node: Any) -> list[tuple[str, Any]]:
@@ -139,20 +122,21 @@ def _members(node: Any) -> list[tuple[str, Any]]:
     )
 
 
-def _table_in(node: Any, keys: tuple[str, ...], depth: int) -> _Found | None:
+def _table_in(node: Any, path: str, depth: int) -> _Found | None:
     """Return the largest table at or below a node, None when there is none.
 
     Several members that hold tables with the same names of columns are runs: their columns stand side by side, `x Run 2`.
     """
     columns = _columns(node)
     if columns:
-        return _Found(keys, tuple(name for name, _ in columns), tuple(values for _, values in columns))
+        return _Found(path, tuple(name for name, _ in columns), tuple(values for _, values in columns))
     if depth >= DEEPEST_TABLE:
         return None
     inner = [
         (name, found)
         for name, value in _members(node)
-        if isinstance(value, dict | list) and (found := _table_in(value, (*keys, name), depth + 1))
+        if isinstance(value, dict | list)
+        and (found := _table_in(value, f"{path}.{name}" if path else name, depth + 1))
     ]
     runs = [(name, found) for name, found in inner if any(found.names) and len(found.columns) > 1]
     longest = max((len(found.columns[0]) for _, found in runs), default=0)
@@ -167,7 +151,7 @@ def _table_in(node: Any, keys: tuple[str, ...], depth: int) -> _Found | None:
         for number, (_, found) in zip(numbers, runs, strict=True)
         for name, values in zip(found.names, found.columns, strict=True)
     ]
-    return _Found(keys, tuple(name for name, _ in made), tuple(values for _, values in made))
+    return _Found(path, tuple(name for name, _ in made), tuple(values for _, values in made))
 
 
 def _columns(node: Any) -> list[tuple[str, Array]]:
@@ -266,15 +250,3 @@ def _said_names(node: Any, width: int) -> tuple[str, ...] | None:
         if fits and all(isinstance(v, str) for v in value):
             return tuple(value)
     return None
-
-
-def _rate(settings: Mapping[str, Any]) -> tuple[float | None, str]:
-    for name, value in settings.items():
-        number = parse_number(value) if isinstance(value, str) else value
-        if not isinstance(number, int | float) or isinstance(number, bool) or not 0.0 < number < 1e9:
-            continue
-        if _RATE.fullmatch(name.strip()):
-            return float(number) * (1e3 if "khz" in name.lower() else 1.0), f"'{name}'"
-        if _STEP.fullmatch(name.strip()):
-            return 1.0 / (float(number) * (1e-3 if "ms" in name.lower() else 1.0)), f"'{name}'"
-    return None, ""

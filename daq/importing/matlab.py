@@ -1,38 +1,30 @@
 """MATLAB files of version 5 (and 4): vectors by name, fields of structures, a rate or time among them."""
 
-from collections import Counter
+import io
+import os
+import subprocess
+import sys
+import zlib
+from contextlib import suppress
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
+from daq.importing import mat_reader
 from daq.importing.errors import problem
 from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
-from daq.importing.mat_file import (
-    MAX_ELEMENTS,
-    DamagedFileError,
-    Numbers,
-    TooLargeError,
-    read_version_4,
-    read_version_5,
-)
+from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, common_length
+from daq.plain_text import one_line
 from daq.recording import Array
 
+Numbers = np.ndarray[Any, np.dtype[Any]]
+MAX_ARRAYS = 20_000
+LONGEST_S = 120.0
+MATRIX, COMPRESSED = 14, 15
 HDF5 = b"\x89HDF\r\n\x1a\n"
-RATES = (
-    "fs",
-    "fsamp",
-    "samplerate",
-    "sample_rate",
-    "samplingrate",
-    "sampling_rate",
-    "rate",
-    "actualrate",
-    "sr",
-    "fsample",
-)
-PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_time")
 
 
 def is_matlab(data: bytes) -> bool:
@@ -65,15 +57,15 @@ def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
             "save it again in MATLAB with save(..., '-v7') or export it as CSV",
         )  # fmt: skip
     vectors: list[tuple[str, Array]] = []
-    scalars: dict[str, float] = {}
-    for name, value in _load(path, data):
+    scalars: dict[str, float | str] = {}
+    for name, value in read_arrays(path, data):
         if value.size == 1:
             scalars[name] = float(value.ravel()[0])
         else:
             vectors.extend(_as_vectors(name, value))
     if not vectors:
         raise problem(path, "holds no vector of numbers", "save the time and the channels as vectors")
-    length = _length(path, vectors, recipe)
+    length = common_length(path, recipe, [((name,), len(values)) for name, values in vectors])
     kept = [(name, values) for name, values in vectors if len(values) == length]
     require_table(path, length, len(kept))
     columns = tuple(
@@ -83,24 +75,59 @@ def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
     if len(kept) < len(vectors):
         others = [name for name, values in vectors if len(values) != length]
         notes.append(f"variables of other lengths were left out: {', '.join(others[:6])}")
-    rate, source = _rate(scalars)
-    return Table(path, columns, None, rate, source, tuple(notes), format="matlab")
+    rate, source = rate_of(scalars)
+    return Table(path, columns, None, rate, f"the variable {source}", tuple(notes), format="matlab")
 
 
-def _load(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
+def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
+    """Return the real arrays of numbers in a file as (name, array), read in a process of its own.
+
+    Files come from anywhere, and scipy's compiled reader crashes on some damaged ones. Raises ImportProblem.
+    """
+    large = problem(
+        path, f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ARRAYS} arrays, "
+        f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
+        "save only the channels of one recording",
+    )  # fmt: skip
+    if not _is_version_4(data) and _unpacked(data) > MAX_BYTES:
+        raise large
+    limits = map(str, (MAX_NUMBERS, MAX_ARRAYS))
+    reader = [sys.executable, "-P", mat_reader.__file__, *limits]  # -P: no module of the working folder
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     try:
-        return read_version_4(data) if _is_version_4(data) else read_version_5(data)
-    except TooLargeError:
+        done = subprocess.run(reader, input=data, capture_output=True, timeout=LONGEST_S, env=environment)
+    except subprocess.TimeoutExpired:
+        raise problem(
+            path, f"was not read within {LONGEST_S:g} s", "save it again with save(..., '-v7')"
+        ) from None
+    if done.returncode == mat_reader.TOO_LARGE:
+        raise large
+    if done.returncode:
+        last = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+        said = one_line(last.partition(": ")[2])[:120]
         raise problem(
             path,
-            f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ELEMENTS} arrays, "
-            f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
-            "save only the channels of one recording",
-        ) from None
-    except DamagedFileError as damage:
-        raise problem(
-            path, f"is a damaged MATLAB file: {damage}", "save it again with save(..., '-v7')"
-        ) from None
+            f"is a damaged MATLAB file ({said or 'its reader crashed'})",
+            "save it again with save(..., '-v7')",
+        )
+    with np.load(io.BytesIO(done.stdout)) as found:
+        return [(name, found[f"arr_{i}"]) for i, name in enumerate(found["names"].tolist())]
+
+
+def _unpacked(data: bytes) -> int:
+    """Add up the bytes to which the compressed variables of a version 5 file unpack, as they themselves say."""
+    order: Literal["little", "big"] = "little" if data[126:128] == b"IM" else "big"
+    at, total = 128, 0
+    while at + 8 <= len(data):
+        kind, size = (int.from_bytes(data[i : i + 4], order) for i in (at, at + 4))
+        if kind == COMPRESSED:
+            with suppress(zlib.error):
+                head = zlib.decompressobj().decompress(data[at + 8 : at + 8 + size], 8)
+                total += int.from_bytes(head[4:8], order)
+        elif kind != MATRIX:
+            break
+        at += 8 + size
+    return total
 
 
 def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:
@@ -111,29 +138,3 @@ def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:
     if matrix.shape[1] == 1:
         return [(name, matrix[:, 0])]
     return [(f"{name}(:,{i + 1})", matrix[:, i]) for i in range(min(matrix.shape[1], 200))]
-
-
-def _length(path: Path, vectors: list[tuple[str, Array]], recipe: Recipe) -> int:
-    """Return the length of the vectors that the options name, else the length that most numbers have."""
-    wanted = {f.name.casefold() for f in recipe.fields if f.role != "ignored"}
-    named = {len(values) for name, values in vectors if name.casefold() in wanted}
-    if len(named) > 1:
-        raise problem(
-            path,
-            f"the variables asked for have different lengths ({sorted(named)})",
-            "name variables of one length",
-        )
-    if named:
-        return named.pop()
-    lengths = Counter(len(values) for _, values in vectors)
-    return max(lengths, key=lambda n: (n >= 8, n * lengths[n]))
-
-
-def _rate(scalars: dict[str, float]) -> tuple[float | None, str]:
-    for name, value in scalars.items():
-        key = name.rsplit(".", 1)[-1].lower()
-        if key in RATES and 0.0 < value < 1e9:
-            return value, f"the variable '{name}'"
-        if key in PERIODS and 0.0 < value < 1e6:
-            return 1.0 / value, f"the variable '{name}' (a sampling interval of {value:g} s)"
-    return None, ""

@@ -93,10 +93,7 @@ class Parsed:
 
 
 def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
-    """Return the numbers of a column of text cells, all at once where they are plain."""
-    plain = _all_plain(cells, decimal)
-    if plain is not None:
-        return Parsed(plain)
+    """Return the numbers of a column of text cells."""
     values = np.full(len(cells), math.nan)
     bad: int | None = None
     clocks = wrong = 0
@@ -113,18 +110,3 @@ def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
             continue
         values[i] = number
     return Parsed(values, bad, clocks > len(cells) // 2)
-
-
-def _all_plain(cells: Sequence[str], decimal: str) -> Array | None:
-    """Return a column of plain or empty cells, or None if any needs a closer look."""
-    text = "\n".join(cells)
-    if "_" in text or (decimal == "," and "." in text):
-        return None
-    del text
-    try:
-        plain = (cell.replace(",", ".") for cell in cells) if decimal == "," else cells
-        return np.fromiter(
-            (float(cell) if cell.strip() else math.nan for cell in plain), np.float64, len(cells)
-        )
-    except ValueError:
-        return None

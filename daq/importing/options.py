@@ -12,10 +12,6 @@ QUANTITIES = ("time", *MOTIONS, "force")
 NONE = "none"
 
 
-def _empty() -> Mapping[str, str]:
-    return MappingProxyType({})
-
-
 @dataclass(frozen=True)
 class ImportOptions:
     """Choices that override what the importer finds out by itself; the default is to find out everything.
@@ -36,8 +32,8 @@ class ImportOptions:
     Raises ImportProblem when an option contradicts itself.
     """
 
-    columns: Mapping[str, str | int] = field(default_factory=_empty)
-    units: Mapping[str, str] = field(default_factory=_empty)
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     rate: float | None = None
     delimiter: str | None = None
     decimal: str | None = None

@@ -251,11 +251,11 @@ def _derived(
         one, two = values[quantities.index(source)], values[quantities.index(target)]
         found = find_derivation(one, two, clock.rate, order, stamps, (steps[source], steps[target]))
         said, origin = f"{choices[target].column.place} was left out: ", choices[source].column.place
-        if found:
+        if found is not None:
             drop.add(target)
             notes.append(
                 f"{said}its numbers are a finite difference of {origin} to within their rounding "
-                f"({100 * found.residual / found.rms:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
+                f"({100 * found:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
             )
         elif choices[target].said.derived and not choices[target].asked:
             drop.add(target)

@@ -1,5 +1,7 @@
 """The rows of a table on an even clock, where what is missing stays missing, and a part of them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from daq.importing.timebase import Timebase
@@ -52,14 +54,10 @@ def cut(recording: Recording, start: int, stop: int) -> Recording:
         first, last = max(gap.first, start), min(gap.first + gap.count, stop)
         if last > first:
             gaps.append(Gap(first - start, last - first, gap.reason))
-    return Recording(
-        recording.rate,
-        recording.channels,
-        recording.samples[:, start:stop],
-        recording.valid[start:stop],
-        tuple(gaps),
-        recording.rate_std,
-        None,
-        (*recording.notes, f"samples {start} to {stop - 1} of the file"),
-        recording.run,
+    return replace(
+        recording,
+        samples=recording.samples[:, start:stop],
+        valid=recording.valid[start:stop],
+        gaps=tuple(gaps),
+        notes=(*recording.notes, f"samples {start} to {stop - 1} of the file"),
     )

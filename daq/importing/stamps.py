@@ -1,12 +1,14 @@
 """The even clock behind stamps that do not show it: rounded ones, rows stamped in blocks, a logger that changes its rate."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from daq.importing.quantisation import quantum
 from daq.recording import Array
+
+Index = NDArray[np.int64]
 
 MARGIN = 1e-6
 FEWEST_ROUNDED, FEWEST_ROWS = 8, 20
@@ -52,10 +54,9 @@ def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float]
     """Return the least and the largest period of the lines between `low` and `high`, and the start in their middle."""
     from scipy.optimize import linprog
 
-    floor = _hull(zip(index.tolist(), low.tolist(), strict=True), 1.0)
-    ceiling = _hull(zip(index.tolist(), high.tolist(), strict=True), -1.0)
-    matrix = np.array([[-1.0, -i] for i, _ in floor] + [[1.0, i] for i, _ in ceiling])
-    bound = np.array([-v for _, v in floor] + [v for _, v in ceiling])
+    ones = np.ones(len(index))
+    matrix = np.column_stack([np.r_[-ones, ones], np.r_[-index, index]])
+    bound = np.r_[-low, high]
     free = [(None, None), (None, None)]
     ends = []
     for sign in (1.0, -1.0):
@@ -67,30 +68,21 @@ def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float]
     return float(ends[0][1]), float(ends[1][1]), float(middle[0])
 
 
-def _hull(points: Iterable[tuple[float, float]], sign: float) -> list[tuple[float, float]]:
-    """Return the upper (`sign` 1) or the lower hull (-1) of points in rising order (monotone chain, Andrew 1979)."""
-    hull: list[tuple[float, float]] = []
-    for x, y in points:
-        while len(hull) > 1:
-            (a, b), (c, d) = hull[-2:]
-            if sign * ((c - a) * (y - b) - (d - b) * (x - a)) < 0.0:
-                break
-            hull.pop()
-        hull.append((x, y))
-    return hull
-
-
-@dataclass(frozen=True)
-class Blocks:
-    """The even clock behind block stamps: period (s) with its standard error, time of row 0 (s), rows a block."""
+@dataclass(frozen=True, eq=False)
+class Rebuilt:
+    """An even clock behind stamps that do not show it: its period (s) with its standard error, the time of sample 0 (s), the
+    `rows` that hold its samples, (m,), and which sample each is, `index` (m,); `note` has a place for the rate.
+    """
 
     period: float
     period_std: float
     start: float
-    rows: float
+    rows: Index
+    index: Index
+    note: str
 
 
-def clock_of_blocks(time: Array) -> Blocks | None:
+def clock_of_blocks(time: Array) -> Rebuilt | None:
     """Return the even clock of rows whose stamps `time` (n,), in s and never falling, come in blocks; None when they do
     not.
 
@@ -109,7 +101,12 @@ def clock_of_blocks(time: Array) -> Blocks | None:
     if not period > 0.0 or float(np.max(np.abs(stray))) > NEAR * interval:
         return None
     error = float(np.sqrt(stray @ stray / max(len(t) - 2, 1) / spread))
-    return Blocks(period, error, float(stamp.mean() - period * at.mean()), len(time) / len(last))
+    note = (
+        f"about {len(time) / len(last):.3g} rows share each time stamp: they were written in blocks, and a stamp is the "
+        "time at which a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
+    )
+    every = np.arange(len(time))
+    return Rebuilt(period, error, float(stamp.mean() - period * at.mean()), every, every, note)
 
 
 def even_part(time: Array) -> tuple[int, int, tuple[float, float]] | None:

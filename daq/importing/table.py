@@ -1,6 +1,7 @@
 """The common ground of all formats: named columns of numbers, before they are given a meaning."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +10,7 @@ import numpy as np
 
 from daq.importing.errors import problem
 from daq.importing.limits import LONGEST_NAME
-from daq.importing.recipe import Dialect, Format
+from daq.importing.recipe import Dialect, Format, Recipe
 from daq.recording import Array
 
 
@@ -103,6 +104,21 @@ def named(table: Table, wanted: str | int, what: str) -> SourceColumn:
         table.path, f"there is no {noun} '{wanted}' for the {what}; the file has {listed(table.columns)}",
         "name one of these, or give its number",
     )  # fmt: skip
+
+
+def common_length(path: Path, recipe: Recipe, sizes: Sequence[tuple[Sequence[str], int]]) -> int:
+    """Return the length of the columns that the recipe names, else the length that most numbers have.
+
+    `sizes` are the names of each column and its length. Raises ImportProblem where those named have several lengths.
+    """
+    wanted = {(f.name or str(f.column)).casefold() for f in recipe.fields if f.role != "ignored"}
+    named = {length for names, length in sizes if wanted & {name.casefold() for name in names}}
+    if len(named) > 1:
+        raise problem(
+            path, f"what was asked for has different lengths ({sorted(named)})", "name columns of one length"
+        )
+    lengths = Counter(length for _, length in sizes)
+    return named.pop() if named else max(lengths, key=lambda n: (n >= 8, n * lengths[n]))
 
 
 def _plain(name: str) -> str:

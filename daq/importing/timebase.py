@@ -4,18 +4,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.errors import problem
-from daq.importing.held_readings import Held, held_readings, repeated_readings
+from daq.importing.held_readings import held_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.stamps import Blocks, clock_of_blocks, nominal_rate, rate_within_rounding
+from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
 
-Index = NDArray[np.int64]
 EVEN = 1e-3
 TOO_IRREGULAR = 0.2
 SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
@@ -89,8 +87,7 @@ def from_stamps(
     time, rows = _in_order(table, column, time, rows, values, notes)
     held = held_readings(time, values[:, rows])
     if held is not None:
-        return _of_held(rows, held, first, notes)
-    notes.extend(_repeated(time, values[:, rows]))
+        return _rebuilt(held, rows, first, notes)
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -106,7 +103,7 @@ def from_stamps(
     uneven = stray > EVEN * slope
     blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
     if blocks is not None:
-        return _of_blocks(rows, blocks, first, notes)
+        return _rebuilt(blocks, rows, first, notes)
     spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     if stray > TOO_IRREGULAR * slope and not spline and not coarse:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
@@ -150,51 +147,18 @@ def _within_rounding(
     return slope, start, rate_std
 
 
-def _of_blocks(rows: Index, blocks: Blocks, first: float, notes: list[str]) -> Timebase:
-    """Return the even clock of rows that were stamped in blocks."""
-    note = (
-        f"about {blocks.rows:.3g} rows share each time stamp: they were written in blocks, and a stamp is the time at which "
-        "a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
-    )
-    return _rebuilt(blocks, rows, np.arange(len(rows)), first, notes, note)
-
-
-def _rebuilt(
-    clock: Blocks | Held, rows: Index, index: Index, first: float, notes: list[str], note: str
-) -> Timebase:
-    """Return a clock that was found behind stamps; `note` has a place for its rate."""
+def _rebuilt(clock: Rebuilt, rows: Index, first: float, notes: list[str]) -> Timebase:
     rate, rate_std = 1.0 / clock.period, clock.period_std / clock.period**2
     return Timebase(
         rate=float(f"{rate:.13g}"),
         rate_std=rate_std,
-        rows=rows,
-        index=index,
-        count=int(index[-1]) + 1,
-        notes=(*notes, note.format(_rate(rate, rate_std))),
+        rows=rows[clock.rows],
+        index=clock.index,
+        count=int(clock.index[-1]) + 1,
+        notes=(*notes, clock.note.format(_rate(rate, rate_std))),
         origin=first + clock.start,
         coarse=True,
     )
-
-
-def _repeated(time: Array, values: Array) -> tuple[str, ...]:
-    """Return a sentence on rows that repeat readings by no clock, if many do."""
-    found = repeated_readings(time, values)
-    if found is None:
-        return ()
-    return (
-        f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, at irregular times, for up to "
-        f"{milli(found.longest)}: the times of the readings are not known, and the steps look like a force. Write a row "
-        "only when there is a new reading",
-    )
-
-
-def _of_held(rows: Index, held: Held, first: float, notes: list[str]) -> Timebase:
-    """Return the sensor's own clock where rows repeat its readings."""
-    note = (
-        f"{100.0 * held.share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
-        "than it answers; its own readings, {}, were taken (--rate keeps all rows)"
-    )
-    return _rebuilt(held, rows[held.rows], held.index, first, notes, note)
 
 
 def _stamps(
@@ -296,9 +260,9 @@ def _in_order(
         return time, rows
     here, before = values[:, rows[same]], values[:, rows[same - 1]]
     twice = same[np.all((here == before) | (np.isnan(here) & np.isnan(before)), axis=0)]
-    if len(same) <= len(time) // 4 and (len(twice) == len(same) or _fits_better(time, same)):
-        keep = np.ones(len(time), dtype=bool)
-        keep[same] = False
+    keep = np.ones(len(time), dtype=bool)
+    keep[same] = False
+    if len(same) <= len(time) // 4 and (len(twice) == len(same) or _stray(time[keep]) < _stray(time)):
         line = table.line(int(rows[same[0]]))
         alike = "" if len(twice) == len(same) else " (with other values)"
         notes.append(
@@ -311,12 +275,9 @@ def _in_order(
     return time, rows
 
 
-def _fits_better(time: Array, same: Index) -> bool:
-    """Check whether the stamps are more even without the repetitions than with them."""
-    keep = np.ones(len(time), dtype=bool)
-    keep[same] = False
-    left = time[keep]
-    return _line(np.arange(len(left)), left)[2] < _line(np.arange(len(time)), time)[2]
+def _stray(time: Array) -> float:
+    """Return how far stamps stray from an even clock without holes (rms, s)."""
+    return _line(np.arange(len(time)), time)[2]
 
 
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:

@@ -3,7 +3,6 @@
 import re
 import tempfile
 import warnings
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,12 @@ import numpy as np
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
 from daq.importing.recipe import Recipe
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, common_length
+from daq.importing.units import SI_ANGULAR, SI_LINEAR
 from daq.recording import Array
 
 TIME_RESPONSES = (0, 1)
 QUANTITY_CODES = {8: "displacement", 11: "velocity", 12: "acceleration", 9: "force", 13: "force"}
-SI = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N"}
-SI_ROTATION = {"displacement": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "Nm"}
 DIRECTIONS = {0: "", 1: "+X", 2: "+Y", 3: "+Z", 4: "+RX", 5: "+RY", 6: "+RZ"}
 DIRECTIONS |= {-k: text.replace("+", "-") for k, text in DIRECTIONS.items() if k}
 MAX_TRACES = 2000
@@ -34,7 +32,8 @@ def is_uff(data: bytes) -> bool:
 def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the time traces of a universal file as columns. Raises ImportProblem."""
     sets, kinds = _sets(path, data)
-    traces = [(number, trace) for number, trace in sets if _is_trace(trace)]
+    traces = [(n, t) for n, t in sets if int(t.get("func_type", -1)) in TIME_RESPONSES]
+    traces = [(n, t) for n, t in traces if np.size(t.get("data", ())) > 1 and not np.iscomplexobj(t["data"])]
     if not traces:
         found = ", ".join(str(k) for k in kinds[:8]) or "none"
         raise problem(
@@ -44,7 +43,8 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     notes = [f"universal file: {len(traces)} time traces in {len(kinds)} data sets"]
     if len(traces) < len(sets):
         notes.append(f"{len(sets) - len(traces)} data sets 58 are no real time responses and were left out")
-    length = _length(traces, recipe)
+    sizes = [((str(n), _label(t)), int(np.size(t["data"]))) for n, t in traces]
+    length = common_length(path, recipe, sizes)
     columns: list[SourceColumn] = []
     stamps = None
     for number, trace in traces:
@@ -112,30 +112,13 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
         raise problem(path, f"is a damaged universal file ({said})", "export it again") from None
 
 
-def _is_trace(trace: dict[str, Any]) -> bool:
-    values = np.asarray(trace.get("data", ()))
-    return (
-        int(trace.get("func_type", -1)) in TIME_RESPONSES and values.size > 1 and not np.iscomplexobj(values)
-    )
-
-
-def _length(traces: list[tuple[int, dict[str, Any]]], recipe: Recipe) -> int:
-    """Return the length of the first trace asked for, else the commonest length, the longest among equals."""
-    wanted = {f.name or str(f.column) for f in recipe.fields if f.role != "ignored"}
-    for number, trace in traces:
-        if str(number) in wanted or _label(trace) in wanted:
-            return int(np.size(trace["data"]))
-    lengths = Counter(int(np.size(trace["data"])) for _, trace in traces)
-    return max(lengths, key=lambda n: (lengths[n], n))
-
-
 def _quantity(trace: dict[str, Any]) -> tuple[str | None, str]:
     """Return the quantity that the ordinate's code says and its unit; SI by the standard where no unit is written."""
     quantity = QUANTITY_CODES.get(int(trace.get("ordinate_spec_data_type", 0)))
     unit = str(trace.get("ordinate_axis_units_lab", "")).strip()
     if unit.lower() in NO_TEXT:
         rotation = abs(int(trace.get("rsp_dir", 0))) > 3
-        unit = (SI_ROTATION if rotation else SI)[quantity] if quantity else ""
+        unit = (SI_ANGULAR if rotation else SI_LINEAR)[quantity].si if quantity else ""
     return quantity, unit
 
 

@@ -24,22 +24,16 @@ class Unit:
         return self.si.startswith(("rad", "N m"))
 
 
-SECOND = Unit(1.0, "s", "time")
 COUNT = Unit(1.0, "count", None)
-SI_LINEAR = {
-    "time": SECOND,
-    "displacement": Unit(1.0, "m", "displacement"),
-    "velocity": Unit(1.0, "m/s", "velocity"),
-    "acceleration": Unit(1.0, "m/s^2", "acceleration"),
-    "force": Unit(1.0, "N", "force"),
-}
-SI_ANGULAR = {
-    "time": SECOND,
-    "displacement": Unit(1.0, "rad", "displacement"),
-    "velocity": Unit(1.0, "rad/s", "velocity"),
-    "acceleration": Unit(1.0, "rad/s^2", "acceleration"),
-    "force": Unit(1.0, "N m", "force"),
-}
+
+
+def _si(*units: str) -> dict[str, Unit]:
+    quantities = ("time", "displacement", "velocity", "acceleration", "force")
+    return {q: Unit(1.0, unit, q) for q, unit in zip(quantities, units, strict=True)}
+
+
+SI_LINEAR = _si("s", "m", "m/s", "m/s^2", "N")
+SI_ANGULAR = _si("s", "rad", "rad/s", "rad/s^2", "N m")
 
 _PREFIXES = {"": 1.0, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 _LENGTHS = {f"{prefix}m": scale for prefix, scale in _PREFIXES.items()} | {

@@ -103,18 +103,13 @@ def find_format(
             raise SettingsError(
                 f"'{name}' is no quantity; there are {', '.join((*QUANTITIES, COUNTER, UNUSED))}"
             )
-    names = sample.header if len(sample.header) == len(sample.columns) else ()
-    at = dict(zip(names, sample.columns, strict=False)) | {name: name for name in sample.columns}
-    label = {column: name for name, column in zip(names, sample.columns, strict=False)}
-    chosen = {q: _column(q, name, at, sample) for q, name in wanted.items() if name.lower() != NONE}
-    left_out = {q for q, name in wanted.items() if name.lower() == NONE}
-    unused = chosen.pop(UNUSED, None)
-    motions = _motions(sample, label, chosen, left_out, dict(units or {}))
-    free = [c for c in sample.columns if c not in {m.column for m in motions}]
-    clock = _clock(sample, label, free, chosen, left_out, dict(units or {}))
-    if unused is None:
-        _refuse_decimal_commas(sample, clock.column, [m.column for m in motions])
-    return LineFormat(channels=motions, names=names, rate_hz=rate_hz, clock=clock)
+    lines = _Lines(sample, wanted, units or {})
+    motions = lines.motions()
+    used = [motion.column for motion in motions]
+    clock = lines.clock([c for c in sample.columns if c not in used])
+    if UNUSED not in lines.chosen:
+        _refuse_decimal_commas(sample, clock.column, used)
+    return LineFormat(channels=motions, names=lines.names, rate_hz=rate_hz, clock=clock)
 
 
 def describe_columns(sample: Sample) -> str:
@@ -148,42 +143,92 @@ def _refuse_decimal_commas(sample: Sample, clock: str | None, used: Sequence[str
         )
 
 
-def _column(quantity: str, name: str, at: Mapping[str, str], sample: Sample) -> str:
-    if name in at:
-        return at[name]
-    numbered = list(sample.columns)
-    if name.isdigit() and 1 <= int(name) <= len(numbered):
-        return numbered[int(name) - 1]
-    raise SettingsError(f"{quantity}: there is no column '{name}'; what comes is {describe_columns(sample)}")
+class _Lines:
+    """Lines that were listened to, and what is told of them: `chosen` columns by quantity, and quantities `left_out`."""
 
+    def __init__(self, sample: Sample, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
+        self.names = sample.header if len(sample.header) == len(sample.columns) else ()
+        self._sample, self._units = sample, units
+        self._label = dict(zip(sample.columns, self.names, strict=False))
+        self._left_out = {q for q, name in wanted.items() if name.lower() == NONE}
+        self.chosen = {q: self._column(q, name) for q, name in wanted.items() if q not in self._left_out}
 
-def _motions(
-    sample: Sample,
-    label: Mapping[str, str],
-    chosen: dict[str, str],
-    left_out: set[str],
-    units: dict[str, str],
-) -> tuple[LineChannel, ...]:
-    found = dict(chosen)
-    for column in [c for c in sample.columns if c not in chosen.values()]:
-        said = meaning(label.get(column, column))
-        if said.quantity in QUANTITIES[1:] and said.quantity not in (*found, *left_out):
-            found[said.quantity] = column
-    motions = []
-    for quantity in QUANTITIES[1:]:
-        if quantity in found:
-            unit = _unit(quantity, label.get(found[quantity], found[quantity]), units.get(quantity))
+    def _column(self, quantity: str, name: str) -> str:
+        columns = list(self._sample.columns)
+        at = dict(zip(self.names, columns, strict=False)) | {column: column for column in columns}
+        if name in at:
+            return at[name]
+        if name.isdigit() and 1 <= int(name) <= len(columns):
+            return columns[int(name) - 1]
+        raise SettingsError(
+            f"{quantity}: there is no column '{name}'; what comes is {describe_columns(self._sample)}"
+        )
+
+    def _header(self, column: str) -> str:
+        return self._label.get(column, column)
+
+    def motions(self) -> tuple[LineChannel, ...]:
+        """Return the channels: the columns that were chosen, and the first whose name says another quantity."""
+        found = dict(self.chosen)
+        for column in [c for c in self._sample.columns if c not in self.chosen.values()]:
+            said = meaning(self._header(column))
+            if said.quantity in QUANTITIES[1:] and said.quantity not in (*found, *self._left_out):
+                found[said.quantity] = column
+        motions = []
+        for quantity in [q for q in QUANTITIES[1:] if q in found]:
             column = found[quantity]
-            name = label.get(column, quantity if column.isdigit() else column)
+            unit = _unit(quantity, self._header(column), self._units.get(quantity))
+            name = self._label.get(column, quantity if column.isdigit() else column)
             motions.append(
                 LineChannel(column=column, name=name, quantity=quantity, unit=unit.si, scale=unit.scale)
             )
-    if not any(m.quantity != "force" for m in motions):
-        raise SettingsError(
-            f"no column is known to be a motion; what comes is {describe_columns(sample)}. Say which one is, as "
-            "--column displacement=2 --unit displacement='0.005 mm' (what one count is)"
-        )
-    return tuple(motions)
+        if not any(m.quantity != "force" for m in motions):
+            raise SettingsError(
+                f"no column is known to be a motion; what comes is {describe_columns(self._sample)}. Say which one is, as "
+                "--column displacement=2 --unit displacement='0.005 mm' (what one count is)"
+            )
+        return tuple(motions)
+
+    def clock(self, free: Sequence[str]) -> LineClock:
+        """Return the clock: stamps where a `free` column is a time, else a counter, else arrivals."""
+        if "time" in self.chosen:
+            return self._stamps(self.chosen["time"], asked=True) or LineClock(kind="arrival")
+        if COUNTER in self.chosen:
+            return LineClock(kind="counter", column=self.chosen[COUNTER])
+        by_name = [c for c in free if meaning(self._header(c)).quantity == "time"]
+        for column in (
+            [*by_name, *(c for c in free if c not in by_name)] if "time" not in self._left_out else []
+        ):
+            if (found := self._stamps(column, asked=False)) is not None:
+                return found
+        for column in free if COUNTER not in self._left_out else []:
+            if _counts(self._sample.columns[column]):
+                return LineClock(kind="counter", column=column)
+        return LineClock(kind="arrival")
+
+    def _stamps(self, column: str, *, asked: bool) -> LineClock | None:
+        """Return a clock by stamps if a column's steps are the arrivals' in some unit of time; a counter's may be, too."""
+        values, arrivals = self._sample.columns[column], self._sample.arrivals
+        said, given = meaning(self._header(column)), self._units.get("time")
+        scale = None
+        if given is not None:
+            unit = parse_scaled_unit(given)
+            if unit is None or unit.si != "s":
+                raise SettingsError(f"time: '{given}' is no unit of time; say s, ms or us")
+            scale = unit.scale
+        elif said.unit is not None and said.unit.quantity == "time":
+            scale = said.unit.scale
+        span = float(arrivals[-1] - arrivals[0])
+        rises = bool(np.isfinite(values).all() and (np.diff(values) >= 0).all() and values[-1] > values[0])
+        if scale is None and rises and span > 0:
+            fits = [s for s in CLOCKS.values() if abs((values[-1] - values[0]) * s / span - 1) < ALIKE]
+            plain_counter = set(words(self._header(column))) & INDEX and _counts(values)
+            scale = fits[0] if fits and not (plain_counter and not asked) else None
+        if scale is None and asked:
+            raise SettingsError(f"time: the unit of column '{column}' is not known; say --unit time=ms")
+        if scale is None or not (asked or rises):
+            return None
+        return LineClock(kind="stamps", column=column, scale=scale)
 
 
 def _unit(quantity: str, header: str, given: str | None) -> Unit:
@@ -201,60 +246,6 @@ def _unit(quantity: str, header: str, given: str | None) -> Unit:
         f"{quantity}: the unit of column '{header}' is not known; say it, as --unit {quantity}=mm, or what one count "
         f"is, as --unit {quantity}='0.005 {(SI_ANGULAR if said.angular else SI_LINEAR)[quantity].si}'"
     )
-
-
-def _clock(
-    sample: Sample,
-    label: Mapping[str, str],
-    free: Sequence[str],
-    chosen: dict[str, str],
-    left_out: set[str],
-    units: dict[str, str],
-) -> LineClock:
-    """Return the clock: stamps where a column is a time, else a counter, else arrivals."""
-    if "time" in chosen:
-        asked = _stamps(sample, label, chosen["time"], units.get("time"), asked=True)
-        return asked or LineClock(kind="arrival")
-    if COUNTER in chosen:
-        return LineClock(kind="counter", column=chosen[COUNTER])
-    by_name = [c for c in free if meaning(label.get(c, c)).quantity == "time"]
-    for column in [*by_name, *(c for c in free if c not in by_name)] if "time" not in left_out else []:
-        found = _stamps(sample, label, column, units.get("time"), asked=False)
-        if found is not None:
-            return found
-    for column in free if COUNTER not in left_out else []:
-        if _counts(sample.columns[column]):
-            return LineClock(kind="counter", column=column)
-    return LineClock(kind="arrival")
-
-
-def _stamps(
-    sample: Sample, label: Mapping[str, str], column: str, given: str | None, *, asked: bool
-) -> LineClock | None:
-    """Return a clock by stamps if a column's steps are the arrivals' in some unit of time; a counter's may be, too."""
-    values = sample.columns[column]
-    said = meaning(label.get(column, column))
-    scale = None
-    if given is not None:
-        unit = parse_scaled_unit(given)
-        if unit is None or unit.si != "s":
-            raise SettingsError(f"time: '{given}' is no unit of time; say s, ms or us")
-        scale = unit.scale
-    elif said.unit is not None and said.unit.quantity == "time":
-        scale = said.unit.scale
-    span = float(sample.arrivals[-1] - sample.arrivals[0])
-    rises = bool(np.isfinite(values).all() and (np.diff(values) >= 0).all() and values[-1] > values[0])
-    if scale is None and rises and span > 0:
-        fits = [s for s in CLOCKS.values() if abs((values[-1] - values[0]) * s / span - 1) < ALIKE]
-        plain_counter = set(words(label.get(column, column))) & INDEX and _counts(values)
-        scale = fits[0] if fits and not (plain_counter and not asked) else None
-    if scale is None:
-        if asked:
-            raise SettingsError(f"time: the unit of column '{column}' is not known; say --unit time=ms")
-        return None
-    if not asked and not rises:
-        return None
-    return LineClock(kind="stamps", column=column, scale=scale)
 
 
 def _counts(values: Array) -> bool:

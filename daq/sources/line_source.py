@@ -13,7 +13,7 @@ from daq.recording import Array
 from daq.sources.line_format import LineFormat, Sample
 from daq.sources.sample_index import CountedIndex, StampedIndex
 from daq.sources.source import Reading, SourceDescription
-from daq.sources.text_lines import Line, LineCutter, header_of, parse_line
+from daq.sources.text_lines import LineCutter, header_of, parse_line
 
 LISTEN_S = 3.0
 LEAST_LINES = 24
@@ -111,9 +111,9 @@ class LineSource:
             return None
         line = parse_line(text)
         clock = self.form.clock.column
-        whole = line is not None and all(c in line.values for c in self.form.columns)
-        if line is not None and whole and (clock is None or np.isfinite(line.values[clock])):
-            return line.values
+        whole = line is not None and all(c in line for c in self.form.columns)
+        if line is not None and whole and (clock is None or np.isfinite(line[clock])):
+            return line
         self._unread += 1
         if self._unread > MOST_UNREAD:
             raise ProtocolError(
@@ -126,7 +126,7 @@ class LineSource:
         """Return the lines of some seconds. Raises NoBoard where nothing comes, BoardError where it is no numbers."""
         began = time.monotonic()
         last = began
-        lines: list[tuple[float, Line]] = []
+        lines: list[tuple[float, dict[str, float]]] = []
         header: tuple[str, ...] = ()
         odd = last_text = ""
         bursts = 0
@@ -149,9 +149,9 @@ class LineSource:
                 break
         if len(lines) < LEAST_LINES:
             raise self._nothing(len(lines), odd)
-        names = list(lines[-1][1].values)
-        kept = [(when, line.values) for when, line in lines if all(n in line.values for n in names)]
-        columns = {name: np.array([values[name] for _, values in kept]) for name in names}
+        names = list(lines[-1][1])
+        kept = [(when, line) for when, line in lines if all(n in line for n in names)]
+        columns = {name: np.array([line[name] for _, line in kept]) for name in names}
         arrivals = np.array([when for when, _ in kept])
         return Sample(columns=columns, arrivals=arrivals, header=header, text=last_text)
 

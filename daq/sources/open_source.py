@@ -1,7 +1,6 @@
 """Sources by what the operator says: lines of a port or of a growing file, a sound card, a class of one's own."""
 
-import importlib.util
-import sys
+import runpy
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -63,16 +62,10 @@ def open_source(text: str, options: LineOptions) -> Source:
     path = Path(file)
     if not name.isidentifier() or path.suffix != ".py" or not path.is_file():
         raise SettingsError(f"'{text}' is no source; say audio, audio:DEVICE or FILE.py:CLASS")
-    spec = importlib.util.spec_from_file_location(f"source_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise SettingsError(f"{path}: cannot be read as Python")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
     try:
-        spec.loader.exec_module(module)
+        made = runpy.run_path(str(path), run_name=f"source_{path.stem}").get(name)
     except Exception as error:
         raise SettingsError(f"{path}: {type(error).__name__}: {error}") from error
-    made = getattr(module, name, None)
     if made is None:
         raise SettingsError(f"{path}: has no class {name}")
     found: Source = made()

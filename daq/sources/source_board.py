@@ -7,21 +7,20 @@ numbers in SI units. The source's own bytes are handed to `keep` before its samp
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
 
+from daq.description_checks import description_of
 from daq.recording import Array
 from daq.sources.source import Reading, Source, SourceDescription
 from firmware_protocol import (
     TYPE_OF,
     Ack,
-    ChannelDescription,
     Config,
     Data,
     Decoder,
-    Describe,
     End,
     Frame,
     Heartbeat,
@@ -36,7 +35,6 @@ from firmware_protocol import (
     SampleFormat,
     Start,
     Stop,
-    TimeSync,
     encode,
 )
 
@@ -58,41 +56,27 @@ class _Run:
     total: int = 0
     dropped: int = 0
     checksum: int = 0
-    count: int = 0
-
-
-@dataclass
-class _Out:
-    """Frames that wait to be read, numbered."""
-
-    frames: list[bytes] = field(default_factory=list)
-    sequence: int = 0
-
-    def say(self, message: Message) -> None:
-        self.frames.append(encode(message, self.sequence))
-        self.sequence = (self.sequence + 1) & 0xFFFFFFFF
 
 
 class SourceBoard:
-    """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread."""
+    """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread.
+
+    `description` is what the source gives.
+    """
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._description: SourceDescription = source.describe()
-        self.name = self._description.name
+        self.description: SourceDescription = source.describe()
+        self.name = self.description.name
         self.keep: Callable[[bytes], object] = len
         self._decoder = Decoder()
-        self._out = _Out()
+        self._frames: list[bytes] = []  # that wait to be read
+        self._sequence = 0
         self._run = _Run()
         self._lock = threading.Lock()
         self._booted = time.monotonic()
         self._beat = self._booted
         self._closed = False
-
-    @property
-    def description(self) -> SourceDescription:
-        """What the source gives."""
-        return self._description
 
     def read(self) -> bytes:
         """Return the frames that are due; b"" when nothing came within about 50 ms."""
@@ -104,14 +88,14 @@ class SourceBoard:
                         self.keep(reading.raw)
                     if self._run.sampling:
                         self._take(reading)
-        elif not self._out.frames:
+        elif not self._frames:
             time.sleep(IDLE_S)
         with self._lock:
             now = time.monotonic()
             if now - self._beat > HEARTBEAT_S:
                 self._beat = now
-                self._out.say(Heartbeat(self._uptime_us(), 0, self._run.dropped))
-            frames, self._out.frames = self._out.frames, []
+                self._say(Heartbeat(int((now - self._booted) * 1e6), 0, self._run.dropped))
+            frames, self._frames = self._frames, []
         return b"".join(frames)
 
     def write(self, data: bytes) -> None:
@@ -126,78 +110,49 @@ class SourceBoard:
             self._closed = True
             self._source.close()
 
-    def _uptime_us(self) -> int:
-        return int((time.monotonic() - self._booted) * 1e6)
-
     def _answer(self, frame: Frame) -> None:
         message = frame.message
         if isinstance(message, OtherVersion):
             return
         if isinstance(message, HelloRequest):
-            self._out.say(
+            self._say(
                 Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])
             )
-            self._out.say(self._describe())
-            for remark in self._description.remarks:
-                self._out.say(Log(remark[:250]))
-        elif isinstance(message, TimeSync):
-            self._out.say(TimeSync(message.host_time_us, self._uptime_us()))
+            self._say(description_of(self.description.channels, self.description.rate_hz))
+            for remark in self.description.remarks:
+                self._say(Log(remark[:250]))
         elif isinstance(message, Stop):
             self._ack(frame, message)
-            self._end()
+            self._run.sampling = False
+            self._say(End(self._run.total, self._run.dropped, self._run.checksum))
         elif isinstance(message, Start):
             self._source.start()
-            self._run = _Run(sampling=True, count=message.count)
+            self._run = _Run(sampling=True)
             self._ack(frame, message)
         elif isinstance(message, Config):
             self._ack(frame, message)
-            self._out.say(self._describe())
+            self._say(description_of(self.description.channels, self.description.rate_hz))
         elif isinstance(message, Resend):
             text = "a source keeps no samples"
-            self._out.say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
+            self._say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
+
+    def _say(self, message: Message) -> None:
+        self._frames.append(encode(message, self._sequence))
+        self._sequence = (self._sequence + 1) & 0xFFFFFFFF
 
     def _ack(self, frame: Frame, message: Message) -> None:
-        self._out.say(Ack(frame.sequence, TYPE_OF[type(message)]))
-
-    def _end(self) -> None:
-        run = self._run
-        run.sampling = False
-        self._out.say(End(run.total, run.dropped, run.checksum))
-
-    def _describe(self) -> Describe:
-        rate = self._description.rate_hz
-        return Describe(
-            SampleFormat.F64,
-            tuple(
-                ChannelDescription(
-                    c.name,
-                    c.quantity,
-                    c.unit,
-                    1.0,
-                    0.0,
-                    rate,
-                    low=c.low,
-                    high=c.high,
-                    resolution=c.resolution,
-                    group_delay_s=c.group_delay_s,
-                    sensor=c.sensor,
-                )
-                for c in self._description.channels
-            ),
-        )
+        self._say(Ack(frame.sequence, TYPE_OF[type(message)]))
 
     def _take(self, reading: Reading) -> None:
         """Send samples as DATA; indices that were skipped are said to be dropped."""
         run = self._run
         samples = np.ascontiguousarray(reading.samples, dtype="<f8")
-        if run.count:
-            samples = samples[: max(run.count - reading.first, 0)]
         if not len(samples):
             return
         skipped = reading.first - run.total
         run.dropped += skipped
         size = max(1, ROOM // (8 * samples.shape[1]))
-        rate = self._description.rate_hz
+        rate = self.description.rate_hz
         times: Array = (reading.first + np.arange(len(samples), dtype=np.float64)) * 1e6 / rate
         if reading.times_us is not None:
             times = reading.times_us
@@ -207,7 +162,7 @@ class SourceBoard:
             first, stamp = reading.first + at, round(float(times[at]))
             content = part.tobytes()
             run.checksum = crc32(content, run.checksum)
-            self._out.say(
+            self._say(
                 Data(
                     first,
                     stamp,
@@ -220,8 +175,6 @@ class SourceBoard:
             )
             at += len(part)
         run.total = reading.first + len(samples)
-        if run.count and run.total >= run.count:
-            self._end()
 
 
 def _even(times_us: Array, rate: float) -> int:

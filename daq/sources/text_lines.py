@@ -6,7 +6,6 @@ A line comes from anyone: no pattern here looks twice at what it has passed.
 import json
 import math
 import re
-from dataclasses import dataclass
 
 LONGEST = 4096
 MOST_COLUMNS = 64
@@ -40,28 +39,22 @@ class LineCutter:
         return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in lines if len(line) <= LONGEST]
 
 
-@dataclass(frozen=True)
-class Line:
-    """The values of one line by the name of their column; "1", "2" ... where the line has no names."""
-
-    values: dict[str, float]
-    named: bool
-
-
-def parse_line(text: str) -> Line | None:
-    """Return the numbers of a line; None where it is none of the forms. What is not a number there reads as NaN."""
+def parse_line(text: str) -> dict[str, float] | None:
+    """Return the numbers of a line by the name of their column, "1", "2" ... where it has no names; None where it is none
+    of the forms. What is not a number there reads as NaN.
+    """
     if text.startswith("{"):
         return _from_json(text)
     pairs = _pairs(text)
     if pairs and not _NUMBER_FIRST.match(text):
-        return Line(dict(pairs[:MOST_COLUMNS]), named=True)
+        return dict(pairs[:MOST_COLUMNS])
     fields = [field for field in _BETWEEN.split(text) if field]
     if not fields or len(fields) > MOST_COLUMNS:
         return None
     numbers = [_number(field) for field in fields]
     if any(number is None for number in numbers):
         return None
-    return Line({str(i): n for i, n in enumerate(numbers, 1) if n is not None}, named=False)
+    return {str(i): n for i, n in enumerate(numbers, 1) if n is not None}
 
 
 def _pairs(text: str) -> list[tuple[str, float]]:
@@ -87,16 +80,14 @@ def header_of(text: str) -> tuple[str, ...]:
 _NUMBER_FIRST = re.compile(rf"{_NUMBER}\s*(?:[,;\t| ]|$)")
 
 
-def _from_json(text: str) -> Line | None:
+def _from_json(text: str) -> dict[str, float] | None:
     try:
         found = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    values: dict[str, float] = {}
-    for name, value in found.items() if isinstance(found, dict) else ():
-        for key, one in _flat(str(name), value):
-            values[key] = one
-    return Line(dict(list(values.items())[:MOST_COLUMNS]), named=True) if values else None
+    members = found.items() if isinstance(found, dict) else ()
+    pairs = [pair for name, value in members for pair in _flat(str(name), value)]
+    return dict(pairs[:MOST_COLUMNS]) or None
 
 
 def _flat(name: str, value: object) -> list[tuple[str, float]]:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.manifest import FlagEntry
 from daq.recording import Recording
+from daq.sensor_faults import FlaggedRun
 from identify.arrays import Array
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -29,7 +29,7 @@ WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
 
 
 def record(
-    recording: Recording, release: float | None = None, flags: Sequence[FlagEntry] = (), look: Look = PAPER
+    recording: Recording, release: float | None = None, flags: Sequence[FlaggedRun] = (), look: Look = PAPER
 ) -> Picture:
     """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]

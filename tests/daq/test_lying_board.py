@@ -49,9 +49,13 @@ def test_an_honest_board_among_them_is_ok(tmp_path: Path) -> None:
     assert [converse(seed, tmp_path / str(seed)).verdict for seed in honest] == ["OK", "OK"]
 
 
-@pytest.mark.parametrize(("left_out", "seed"), [("_integrity", 40), ("checked_rate", 76)])
-def test_a_station_that_checks_less_is_caught(tmp_path: Path, left_out: str, seed: int) -> None:
-    with mock.patch(f"daq.quality.{left_out}", return_value=CheckedRate(0.0)):
+@pytest.mark.parametrize(
+    ("left_out", "seed", "nothing"), [("_integrity", 40, ()), ("checked_rate", 76, CheckedRate(0.0))]
+)
+def test_a_station_that_checks_less_is_caught(
+    tmp_path: Path, left_out: str, seed: int, nothing: object
+) -> None:
+    with mock.patch(f"daq.quality.{left_out}", return_value=nothing):
         assert "wrong" in converse(seed, tmp_path / "s").wrong
 
 

@@ -129,19 +129,6 @@ def test_a_missing_and_an_added_file_are_found(session: Session) -> None:
     assert any("raw.old: not in the manifest" in p for p in problems)
 
 
-def test_sealing_again_notes_new_results_but_never_a_changed_raw_log(session: Session) -> None:
-    (session.results / "views.rrd").write_bytes(b"made by a viewer")
-    assert verify(session.folder).remarks == ("results/views.rrd: not in the manifest",)
-    session.seal()
-    assert verify(session.folder).ok
-    assert verify(session.folder).remarks == ()
-    with (session.folder / "raw.log").open("r+b") as file:
-        file.seek(500)
-        file.write(b"\0\0\0\0")
-    session.seal()
-    assert not verify(session.folder).ok
-
-
 def test_a_manifest_cannot_name_a_file_outside(session: Session) -> None:
     from daq.manifest import entry, read_manifest, write_manifest
 

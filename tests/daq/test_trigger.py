@@ -21,12 +21,17 @@ def watch(samples: np.ndarray, channels: tuple[Channel, ...] = BOTH, block: int 
         if not period.complete:
             period.feed(part)
         if trigger is None and period.rest is not None:
-            trigger = Trigger(channels, RATE, period.rest)
+            trigger = Trigger(channels, RATE, period.rest, again(samples))
         if trigger is not None:
             found = trigger.feed(first, part)
             if found is not None:
                 return found
     return None
+
+
+def again(samples: np.ndarray) -> Callable[[int, int], np.ndarray]:
+    """Samples that came, by their indices."""
+    return lambda first, stop: samples[:, first:stop]
 
 
 def noise(n: int, seed: int = 0) -> np.ndarray:
@@ -148,10 +153,12 @@ def test_lost_samples_do_not_keep_the_trigger_from_coming() -> None:
     rest = RestPeriod(BOTH, RATE, 0.5)
     rest.feed(samples[:, :200])
     assert rest.rest is not None
-    trigger = Trigger(BOTH, RATE, rest.rest)
+    came = np.full_like(samples, np.nan)
+    trigger = Trigger(BOTH, RATE, rest.rest, again(came))
     found = None
     for first in range(0, 1400, 16):
         if first % 160 != 80 and found is None:
+            came[:, first : first + 16] = samples[:, first : first + 16]
             found = trigger.feed(first, samples[:, first : first + 16])
     assert found is not None
     assert trigger_at is not None
@@ -182,7 +189,7 @@ def test_a_level_given_by_the_operator_makes_small_releases_count() -> None:
     period = RestPeriod(BOTH, RATE, 0.5, level=1e-4)
     period.feed(samples[:, :300])
     assert period.rest is not None
-    found = Trigger(BOTH, RATE, period.rest, level=1e-4).feed(300, samples[:, 300:])
+    found = Trigger(BOTH, RATE, period.rest, again(samples), 1e-4).feed(300, samples[:, 300:])
     assert found is not None
 
 

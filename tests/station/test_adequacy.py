@@ -6,8 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from daq.manifest import FlagEntry, Manifest
+from daq.manifest import Manifest
 from daq.quality import Grade, Verdict
+from daq.reading_flags import Flag
+from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
 from identify.estimate import Estimate
 from identify.formatting import three_figures
@@ -76,12 +78,14 @@ def test_methods_that_disagree_are_named_with_their_distance():
 
 
 def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
-    run = FlagEntry(channel="x", flag="spike", first=3, count=1)
+    run = FlaggedRun(channel="x", flag=Flag.SPIKE, first=3, count=1)
     verdicts = {grade: Verdict(grade=grade, reasons=("x is stuck",)) for grade in Grade}
     sealed = Manifest(state=State.SEALED, files={}, verdict=verdicts[Grade.USABLE])
     assert recording_doubt(sealed) == ""
     assert (
-        recording_doubt(sealed.model_copy(update={"flags": (run.model_copy(update={"flag": "saturated"}),)}))
+        recording_doubt(
+            sealed.model_copy(update={"flags": (run.model_copy(update={"flag": Flag.SATURATED}),)})
+        )
         == ""
     )
     assert "x: spike" in recording_doubt(sealed.model_copy(update={"flags": (run,)}))

@@ -137,7 +137,7 @@ def test_a_line_of_a_board_is_looked_at_once() -> None:
     subprocess.run([sys.executable, "-c", code], check=True, timeout=LIMIT_S)
     found = parse_line("roll angle: 1.5, T=20 x:12abc")
     assert found is not None
-    assert found.values == {"roll angle": 1.5, "T": 20.0}
+    assert found == {"roll angle": 1.5, "T": 20.0}
 
 
 @pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are Unicode there")
