@@ -14,7 +14,6 @@ from identify.diagnosis.judgement import judge, large_enough, listed_suspects
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.next_release import Limits, NextRelease, next_release
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.not_enough import is_drowned, too_few_cycles
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import rank
 from identify.diagnosis.releases_differ import (
@@ -29,7 +28,7 @@ from identify.diagnosis.releases_differ import (
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms, singles
-from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
+from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict, is_drowned, too_few_cycles
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor

@@ -5,9 +5,8 @@ import numpy as np
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.explain_prediction import explain_confirmed, explain_driven, explain_unconfirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.not_enough import why_not_enough
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.verdict import Judgement
+from identify.diagnosis.verdict import Judgement, why_not_enough
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms, residual_lines, try_terms
+from identify.diagnosis.suspects import candidate_terms, laws_of_free_exponent, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from identify.diagnosis.free_exponent import laws_of_free_exponent
 from identify.diagnosis.linear_gain import states_of_term, with_fault
 from identify.diagnosis.ranking import DENIED, at_rest
 from identify.diagnosis.search import Begun, promising_sets
@@ -16,6 +15,7 @@ from identify.diagnosis.suspects import (
     Candidate,
     candidate_terms,
     is_plausible,
+    laws_of_free_exponent,
     residual_lines,
     score_candidate,
     try_terms,

@@ -1,6 +1,6 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from identify.diagnosis.beginning import Beginning, begin
 from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope
 from identify.effects.effect import Effect, Scales
+from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence
@@ -128,6 +129,19 @@ def try_terms(
         if candidate.name not in best or candidate.evidence > best[candidate.name].evidence:
             best[candidate.name] = candidate
     return tuple(sorted(best.values(), key=lambda candidate: -candidate.evidence))
+
+
+def laws_of_free_exponent(
+    baseline: Baseline, members: Collection[str], goal: float | None = None
+) -> tuple[Candidate, ...]:
+    """Refit the model with each law of a free exponent of which one of some effects is a member, best first.
+
+    Where only a `goal` of chi-square counts, a fit that creeps towards it is left.
+    """
+    scales = scales_of(baseline.decays[0], {})
+    families = (family for family in FAMILIES if not family.members.keys().isdisjoint(members))
+    terms = tuple(Term(family.effect, family.held(scales)) for family in families)
+    return try_terms(baseline.decays, baseline.fit, terms, goal=goal)
 
 
 def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:

@@ -8,8 +8,7 @@ from releases import drawn
 from scipy.special import gamma
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.free_exponent import laws_of_free_exponent
-from identify.diagnosis.suspects import try_terms
+from identify.diagnosis.suspects import laws_of_free_exponent, try_terms
 from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
