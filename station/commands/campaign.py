@@ -1,5 +1,7 @@
 """`station campaign`: hundreds of sessions, in one table with trends and control limits."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,8 +12,8 @@ from station.output import json_option, print_json, progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from station.campaign.crew import Crew
     from station.campaign.metadata import Known
+    from station.campaign.run import Watch
     from station.results.campaign_document import CampaignDocument
 
 
@@ -47,7 +49,6 @@ if TYPE_CHECKING:
 @click.option(
     "--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes here (default: one a core)."
 )
-@click.option("--scheduler", metavar="ADDRESS", help="Use this Dask cluster instead, as tcp://host:8786.")
 @GAIN
 @json_option
 @pass_settings
@@ -62,7 +63,6 @@ def command(
     names: str | None,
     varies: tuple[str, ...],
     workers: int | None,
-    scheduler: str | None,
     gain_percent: float | None,
     as_json: bool,
 ) -> None:
@@ -72,14 +72,18 @@ def command(
     are imported first. Each result is kept as soon as it is there; a second run
     does what is missing or changed.
     """
-    from station.campaign.kept import Kept
     from station.campaign.metadata import read_metadata
-    from station.campaign.run import Request
-    from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
+    from station.campaign.sources import (
+        FOLDER,
+        Request,
+        default_folder,
+        find_sources,
+        is_folder_of_files,
+    )
     from station.campaign.together import campaign
+    from station.campaign.workers import cores
     from station.exits import Answered
     from station.text import campaign_text
-    from station.text.campaign_progress import CampaignProgress
     from station.text.layout import tell
 
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
@@ -89,25 +93,23 @@ def command(
         place, folders = _imported(sessions, settings, (recipe, ask, names, varies), metadata, known)
         given: tuple[str, ...] = (str(place),)
         sessions = tuple(map(str, folders))
-        kept = Kept(output or place / FOLDER)
+        kept = output or place / FOLDER
     else:
-        given, kept = sessions, Kept(output or default_folder(sessions, settings))
+        given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
     told = {source.name: {source.name, source.info.source_file if source.info else ""} for source in sources}
     unknown = len(set(known) - set().union(*told.values()))
     if unknown:
         progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
     known = {name: known[key] for name, keys in told.items() for key in keys if key in known}
-    watch = CampaignProgress(len(sources))
     request = Request(settings, gain_percent, diagnose)
+    processes = min(workers or cores(), len(sources))
     try:
-        crew = _crew(workers, scheduler, len(sources))
-        document = campaign(sources, request, crew, kept, watch, known)
+        with _watched(len(sources)) as watch:
+            document = campaign(sources, request, kept, processes, watch, known)
     except KeyboardInterrupt:
-        watch.end()
         progress("finished sessions are kept, and the same command continues with the rest")
         raise
-    watch.end()
     if as_json:
         print_json(document.plain())
     else:
@@ -174,15 +176,20 @@ def _next(
     return ()
 
 
-def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":
-    from station.exits import UsageProblem
+@contextmanager
+def _watched(total: int) -> Iterator["Watch"]:
+    """Show in a terminal how many sessions are done and how long the rest takes; say of each that failed why."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    if scheduler is not None:
-        if workers is not None:
-            raise UsageProblem("--workers is for this computer; a cluster has the workers that it has")
-        from station.campaign.dask_crew import DaskCrew
+    from station.safe_text import SafeConsole
 
-        return DaskCrew(scheduler)
-    from station.campaign.local_crew import LocalCrew, cores
+    columns = (MofNCompleteColumn(), TextColumn("sessions"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=SafeConsole(stderr=True, highlight=False), transient=True) as bar:
+        task = bar.add_task("", total=total)
 
-    return LocalCrew(min(workers or cores(), sessions))
+        def watch(name: str, reason: str) -> None:
+            bar.advance(task)
+            if reason:
+                progress(f"failed: {name}: {reason}")
+
+        yield watch

@@ -2,10 +2,7 @@
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.campaign.kept import Kept
-from station.campaign.local_crew import LocalCrew
-from station.campaign.run import Request
-from station.campaign.sources import FOLDER, find_sources
+from station.campaign.sources import FOLDER, Request, find_sources
 from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest
 from station.report.write import NAME as REPORT
@@ -21,19 +18,12 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
     judged = [turn for turn in document.turns if turn.verdict]
     if not judged:
         return document
-    kept = Kept(test.folder / FOLDER)
+    kept = test.folder / FOLDER
     sources = find_sources((str(test.folder),), test.settings)
-    campaign(sources, Request(test.settings), LocalCrew(1), kept, _Silent())
+    campaign(sources, Request(test.settings), kept, workers=0)
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
     report = write_report(session, test.folder / REPORT, settings=test.settings)
-    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
+    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept)})
     write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
     return whole
-
-
-class _Silent:
-    def kept(self, name: str, reason: str = "") -> None:
-        """Say nothing: the table has the reason."""
-
-    done = failed = kept

@@ -2,7 +2,6 @@
 
 from identify.formatting import decimals_for
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
-from station.text.campaign_progress import duration
 from station.text.content import Table, Told, facts
 from station.text.numbers import DASH, probability, scale, three_figures, typeset_unit, with_error, with_unit
 
@@ -136,3 +135,10 @@ def _time(document: CampaignDocument) -> str:
         f"worker{'s' * (document.workers != 1)} "
         f"({duration(document.work_s)} of computing){kept}"
     )
+
+
+def duration(seconds: float) -> str:
+    """Return a time as people say it: "46 s", "12 min", "3.4 h"."""
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"

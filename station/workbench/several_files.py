@@ -12,19 +12,6 @@ from station.workbench.view_models import Campaign
 from station.workbench.worker import Say
 
 
-class _Watch:
-    """Tells how many sessions are done."""
-
-    def __init__(self, total: int, say: Say) -> None:
-        self._total, self._done, self._say = total, 0, say
-
-    def kept(self, name: str, reason: str = "") -> None:
-        self._done += 1
-        self._say(f"{self._done} of {self._total} sessions identified")
-
-    done = failed = kept
-
-
 def import_files(
     settings: Settings,
     say: Say,
@@ -38,12 +25,9 @@ def import_files(
 
     Raises UsageProblem where none of the files can be read.
     """
-    from station.campaign.crew import InThisProcess
     from station.campaign.files import Names
     from station.campaign.files import import_files as sessions_of
-    from station.campaign.kept import Kept
-    from station.campaign.run import Request
-    from station.campaign.sources import FOLDER, find_sources
+    from station.campaign.sources import FOLDER, Request, find_sources
     from station.campaign.together import campaign
     from station.operations.new_session import session_info
     from station.text.campaign_text import told
@@ -59,9 +43,13 @@ def import_files(
     if not made:
         raise UsageProblem(f"none of the {len(files)} files could be read: {'; '.join(lines)}")
     sources = find_sources(tuple(made), settings)
-    kept = Kept(settings.sessions / FOLDER)
-    watch = _Watch(len(sources), say)
-    found = told(campaign(sources, Request(settings), InThisProcess(), kept, watch))
+    done: list[str] = []
+
+    def watch(name: str, reason: str) -> None:
+        done.append(name)
+        say(f"{len(done)} of {len(sources)} sessions identified")
+
+    found = told(campaign(sources, Request(settings), settings.sessions / FOLDER, workers=0, watch=watch))
     remarks = tuple(Paragraph(line) for line in lines)
     made_of = [source.name for source in sources]
     return Campaign(made_of, part("told", replace(found, brief=(*remarks, *found.brief))))
