@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Import the files of FOLDER by this recipe.",
 )
-@click.option("--ask", is_flag=True, help="Ask what the columns of the first file are, for all.")
+@click.option("--ask", is_flag=True, help="Open the recipe of the first file in your editor, for all.")
 @click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
 @VARIES
 @click.option(
@@ -155,8 +155,8 @@ def _imported(
     except Doubtful as refusal:
         click.echo(harmless(to_toml(refusal.proposal.recipe)))
         raise UsageProblem(
-            f"{refusal}. In a terminal --ask shows the columns; or write the recipe above into a file, correct it, and give "
-            "that by --recipe"
+            f"{refusal}. In a terminal --ask opens the recipe in your editor; or write the recipe above into a file, "
+            "correct it, and give that by --recipe"
         ) from refusal
     if not made:
         raise UsageProblem(f"{folder}: none of its {len(files)} files could be read; the reasons are above")

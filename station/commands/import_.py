@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 )
 @click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
 @click.option("--recipe", metavar="FILE", help="Read by this recipe alone; none: by no recipe that was kept.")
-@click.option("--ask", is_flag=True, help="Show the columns and ask what they are.")
+@click.option("--ask", is_flag=True, help="Open the proposed recipe in your editor.")
 @click.option(
     "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
 )

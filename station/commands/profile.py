@@ -1,6 +1,5 @@
 """`station profile`: listen to a board that prints lines, say what comes, and keep what it means."""
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
@@ -11,7 +10,6 @@ from station.settings import Settings
 
 if TYPE_CHECKING:
     from daq.sources.line_format import LineFormat, Sample
-    from daq.sources.open_source import LineOptions
 
 
 @click.command("profile")
@@ -38,23 +36,24 @@ def command(
     """Listen to a board that prints numbers, a line a sample, and show what comes.
 
     With NAME what the lines mean is kept, for `station capture --profile
-    NAME`. At a terminal you are asked for what cannot be found out.
+    NAME`. What cannot be found out is said by --column, --unit and --rate.
     """
+    from daq.sources.line_format import describe_columns, find_format
     from daq.sources.line_source import LineSource
     from daq.sources.open_source import LineOptions, open_bytes
     from daq.sources.profiles import profile_file, save_profile
     from station.operations.line_boards import profiles_of
-    from station.text.lines_text import show_format, show_lines
     from station.text.next_step import next_line
 
+    console = screen()
     if name is not None:
         profile_file(name, profiles_of(settings))
     told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
         if not as_json:
-            show_lines(screen(), sample)
-        return _decided(sample, told, may_ask=not as_json).model_copy(update={"baud": baud})
+            console.print(f"{len(sample.arrivals)} lines: {describe_columns(sample)}", markup=False)
+        return find_format(sample, columns, units, rate).model_copy(update={"baud": baud})
 
     progress(f"listening to {port} for some seconds")
     source = LineSource(open_bytes(port, told), decide)
@@ -71,45 +70,14 @@ def command(
             }
         )
         return
-    show_format(screen(), source.form, found)
+    for channel in source.form.channels:
+        scale = f"one is {channel.scale:g} {channel.unit}"
+        console.print(f"{channel.quantity}: column {channel.column}, {scale}", markup=False)
+    for remark in found.remarks:
+        console.print(f"time: {remark}", markup=False)
     told_name = name or "NAME"
     if kept is not None:
         progress(f"kept: {kept}")
         click.echo(next_line("capture", "--port", port, "--profile", told_name))
     else:
         click.echo(f"{next_line('profile', told_name, '--port', port)} (the same options keep it)")
-
-
-def _decided(sample: "Sample", options: "LineOptions", *, may_ask: bool) -> "LineFormat":
-    """Settle what the lines mean, from the options and, at a terminal, from what the operator answers."""
-    from daq.errors import SettingsError
-    from daq.sources.line_format import find_format
-
-    while True:
-        try:
-            return find_format(sample, options.columns, options.units, options.rate_hz)
-        except SettingsError as refusal:
-            if not (may_ask and sys.stdin.isatty() and sys.stderr.isatty()):
-                raise
-            options = _asked(str(refusal), options)
-
-
-def _asked(refusal: str, options: "LineOptions") -> "LineOptions":
-    """Return the options with what the operator answers."""
-    from dataclasses import replace
-
-    progress(refusal)
-    quantity = click.prompt(
-        "Which quantity do you know?",
-        type=click.Choice(["displacement", "velocity", "acceleration", "force", "time", "counter"]),
-        default="displacement",
-        err=True,
-    )
-    column = click.prompt("Its column (number from 1, or name)", err=True)
-    unit = (
-        ""
-        if quantity == "counter"
-        else click.prompt("Its unit, or what one count is (0.005 mm)", default="", err=True)
-    )
-    units = dict(options.units) | ({quantity: unit} if unit else {})
-    return replace(options, columns=dict(options.columns) | {quantity: column}, units=units)
