@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     type=click.FloatRange(min=1, max=60),
     default=2.0,
     show_default=True,
-    help="How long to sample; swing the mass meanwhile to have the wiring checked.",
+    help="How long to sample.",
 )
 @json_option
 @pass_settings
