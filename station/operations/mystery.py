@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.text import Text
 
 from daq.session import Session
-from identify.formatting import decimals_for, plain_name
+from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
@@ -34,7 +34,7 @@ from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Part, Table, facts
 from station.text.layout import show, show_parts
 from station.text.next_step import next_line
-from station.text.numbers import DASH, typeset, with_unit
+from station.text.numbers import typeset, with_unit
 
 SEEDS = 1000
 BOARD = "mocks.mystery"

@@ -10,6 +10,7 @@ from identify.errors import NotIdentifiable
 from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.parameter_layout import in_unit
 from identify.fitting.validation import Validated, validate
+from identify.formatting import three_figures
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -25,7 +26,6 @@ from station.results.validation_document import NAME, ValidationDocument, valida
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.story.preparation import prepare_session
-from station.text.numbers import three_figures
 
 OWN = "the model was fitted to it"
 

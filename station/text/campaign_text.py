@@ -1,9 +1,9 @@
 """A campaign in 80 columns: what was found, every parameter's chart, trends, who is out, who failed."""
 
-from identify.formatting import decimals_for
+from identify.formatting import DASH, decimals_for, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.text.content import Table, Told, facts
-from station.text.numbers import DASH, probability, scale, three_figures, typeset_unit, with_error, with_unit
+from station.text.numbers import probability, scale, typeset_unit, with_unit
 
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10

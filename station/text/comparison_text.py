@@ -3,19 +3,12 @@
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import plain_name, scaled
+from identify.formatting import plain_name, scaled, three_figures, with_error
 from station.story.compared import Compared
 from station.story.residual import floor_words, residual_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import (
-    energy_scale,
-    scale,
-    three_figures,
-    typeset,
-    typeset_unit,
-    with_error,
-)
+from station.text.numbers import energy_scale, scale, typeset, typeset_unit
 
 MOST_CYCLES, FEW_PLACES = 12, 2
 

@@ -8,11 +8,11 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
+from identify.formatting import SPACE
 from station.output import screen
 from station.plain_letters import writable
 from station.text.content import Facts, Paragraph, Part, Table, Told
 from station.text.next_step import next_line
-from station.text.numbers import SPACE
 
 LABEL_WIDTH = 12
 MOST_LINES, FEWEST = 12, 1

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Sequence
 
+from identify.formatting import DASH, three_figures, with_error
 from station.results.diagnosis_parts import SharesDocument
 from station.results.documents import EstimateDocument
 from station.text.content import Table
-from station.text.numbers import DASH, scale, three_figures, typeset_unit, with_error
+from station.text.numbers import scale, typeset_unit
 
 _DECIMALS = {"%": 2, "Hz": 5}
 _FIGURES = 4

@@ -10,11 +10,12 @@ from typing import Any
 
 from rich.console import Console
 
+from identify.formatting import DASH, SPACE, with_error
 from station.results.documents import EstimateDocument
 from station.results.identification_document import IdentificationDocument, MethodDocument
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
-from station.text.numbers import DASH, SPACE, scale, typeset_symbol, typeset_unit, with_error
+from station.text.numbers import scale, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -125,8 +126,7 @@ def _cells(cells: Iterable[Row | None]) -> list[float | str | None]:
 def told(tables: Tables) -> tuple[Table, ...]:
     """Tell both tables, a line a release, the second only of several; unquotable releases have a star."""
     named = [
-        f"{typeset_symbol(name)} ({label}) [{typeset_unit(tables.units[name])}]"
-        for name, label in tables.columns
+        f"{typeset(name)} ({label}) [{typeset_unit(tables.units[name])}]" for name, label in tables.columns
     ]
     rows = tuple(
         (f"{row['session']}{'' if row['quotable'] else '*'}", _amplitude(row),
@@ -138,7 +138,7 @@ def told(tables: Tables) -> tuple[Table, ...]:
     if len(rows) < 2:
         return (first,)
     means = tuple(
-        (typeset_symbol(name), typeset_unit(unit), *(_cell(row[name]) for row in tables.table_2))
+        (typeset(name), typeset_unit(unit), *(_cell(row[name]) for row in tables.table_2))
         for name, unit in tables.units.items()
     )
     caption = f"Table 2. Mean and standard deviation over {len(rows)} releases"

@@ -2,11 +2,10 @@
 
 import math
 
-from identify.formatting import plain_name
+from identify.formatting import plain_name, three_figures
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
 from station.text.diagnosis_text import parameters
-from station.text.numbers import three_figures
 from station.workbench.view_models import Drawing, View
 
 LEAST = 0.5

@@ -153,7 +153,7 @@ def test_a_large_ratio_is_a_power_of_ten():
         "0.988",
         "22.9",
         "229",
-        "2.87e8",
+        "2.87 × 10⁸",
     ]
 
 
