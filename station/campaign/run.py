@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from daq.errors import StationError
+from daq.session import SessionSummary
 from daq.storage import read_regular, refused, write_whole
-from station.campaign.sources import Request, Source
+from station.campaign.sources import Request, work_on
 from station.campaign.work import Work
 from station.campaign.workers import performed
 from station.results.campaign_document import FailedSession, SessionResult
@@ -26,7 +27,7 @@ Watch = Callable[[str, str], None]
 class Run:
     """The result of a run: each source with its result, those without one, and the time that it took."""
 
-    results: list[tuple[Source, SessionResult]] = field(default_factory=list)
+    results: list[tuple[SessionSummary, SessionResult]] = field(default_factory=list)
     failed: list[FailedSession] = field(default_factory=list)
     done: int = 0
     kept: int = 0
@@ -40,29 +41,33 @@ def unwatched(name: str, reason: str) -> None:
 
 
 def run_campaign(
-    sources: tuple[Source, ...], request: Request, folder: Path, workers: int, watch: Watch = unwatched
+    sources: tuple[SessionSummary, ...],
+    request: Request,
+    folder: Path,
+    workers: int,
+    watch: Watch = unwatched,
 ) -> Run:
     """Bring the results of all sources up to date; each is kept in `folder` the moment it is there.
 
     `workers` is how many processes work, 0 for this one. StorageError when the folder cannot be written.
     """
-    run, under_way = Run(workers=max(workers, 1)), dict[Work, Source]()
+    run, under_way = Run(workers=max(workers, 1)), dict[Work, SessionSummary]()
     began = time.monotonic()
 
-    def take(source: Source, result: SessionResult | str) -> None:
+    def take(source: SessionSummary, result: SessionResult | str) -> None:
         reason = result if isinstance(result, str) else result.reason
         if isinstance(result, str) or reason:
-            run.failed.append(FailedSession(session=source.name, reason=reason))
+            run.failed.append(FailedSession(session=source.folder.name, reason=reason))
         else:
             run.results.append((source, result))
-        watch(source.name, reason)
+        watch(source.folder.name, reason)
 
     def missing() -> Iterator[Work]:
         for source in sources:
             try:
                 if source.info is None:
                     raise StationError(source.problem or "its metadata cannot be read")
-                work = source.work(request)
+                work = work_on(source.folder, request)
             except StationError as error:
                 take(source, " ".join(str(error).split()))
                 continue

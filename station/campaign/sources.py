@@ -7,8 +7,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from daq.errors import StationError
-from daq.session import Session, list_sessions
-from daq.session_info import SessionInfo, State
+from daq.session import Session, SessionSummary, list_sessions
+from daq.session_info import State
 from daq.session_reading import INFO, RAW
 from daq.storage import read_regular
 from station.campaign.work import Work
@@ -31,40 +31,27 @@ class Request:
     diagnose: bool = False
 
 
-@dataclass(frozen=True)
-class Source:
-    """One session: its folder, and its metadata or the problem because of which there are none."""
+def work_on(folder: Path, request: Request) -> Work:
+    """Make the work on a session; StationError when its files cannot be read, or are still written.
 
-    folder: Path
-    info: SessionInfo | None
-    problem: str = ""
-
-    @property
-    def name(self) -> str:
-        """The name of the session."""
-        return self.folder.name
-
-    def work(self, request: Request) -> Work:
-        """Make the work on the session; StationError when its files cannot be read, or are still written.
-
-        The key is a checksum of all that the result depends on: readings, calibrations, options, the request, the
-        program. What else the metadata say is read afresh for every table.
-        """
-        session = Session.open(self.folder)
-        if session.info.state is State.RECORDING:
-            raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
-        options = options_for(session, request.settings)
-        gain, diagnose = request.gain_percent, request.diagnose
-        dependent = {
-            "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
-            "rate_std_hz": session.info.rate_std_hz,
-            "options": asdict(options),
-            "settings": {"gain_percent": gain, "diagnose": diagnose},
-            "program": _program(),
-        }
-        checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
-        checksum.update(hashlib.sha256(read_regular(self.folder / RAW, LARGEST)).digest())
-        return Work(self.folder, checksum.hexdigest(), options, gain, diagnose)
+    The key is a checksum of all that the result depends on: readings, calibrations, options, the request, the
+    program. What else the metadata say is read afresh for every table.
+    """
+    session = Session.open(folder)
+    if session.info.state is State.RECORDING:
+        raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
+    options = options_for(session, request.settings)
+    gain, diagnose = request.gain_percent, request.diagnose
+    dependent = {
+        "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
+        "rate_std_hz": session.info.rate_std_hz,
+        "options": asdict(options),
+        "settings": {"gain_percent": gain, "diagnose": diagnose},
+        "program": _program(),
+    }
+    checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
+    checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
+    return Work(folder, checksum.hexdigest(), options, gain, diagnose)
 
 
 def _program() -> str:
@@ -74,13 +61,13 @@ def _program() -> str:
         return ""
 
 
-def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[Source, ...]:
+def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[SessionSummary, ...]:
     """Return the sessions that are meant, each once, oldest first in a folder.
 
     An argument is a folder of sessions, a session, or a data file, which is imported; none means the folder of the
     settings. Raises UsageProblem when there is no session at all.
     """
-    found: dict[Path, Source] = {}
+    found: dict[Path, SessionSummary] = {}
     for argument in arguments or (str(settings.sessions),):
         for source in _sources(argument, settings):
             found.setdefault(source.folder.resolve(), source)
@@ -110,15 +97,15 @@ def default_folder(arguments: tuple[str, ...], settings: Settings) -> Path:
     return settings.sessions / FOLDER
 
 
-def _sources(argument: str, settings: Settings) -> list[Source]:
+def _sources(argument: str, settings: Settings) -> tuple[SessionSummary, ...]:
     if is_folder_of_sessions(argument):
-        return [Source(s.folder, s.info, s.problem or "") for s in list_sessions(argument)]
+        return list_sessions(argument)
     if not Path(argument).exists() and argument == str(settings.sessions):
-        return []
+        return ()
     try:
         session = open_session(argument, settings.sessions)
     except StationError as error:
         if Path(argument).is_dir():
-            return [Source(Path(argument), None, str(error))]
+            return (SessionSummary(Path(argument), None, str(error)),)
         raise
-    return [Source(session.folder, session.info)]
+    return (SessionSummary(session.folder, session.info),)

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.session import SessionSummary
 from daq.storage import write_whole
 from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign, unwatched
-from station.campaign.sources import Request, Source
+from station.campaign.sources import Request
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
     NAME,
@@ -46,7 +47,7 @@ class Series:
 
 
 def campaign(
-    sources: tuple[Source, ...],
+    sources: tuple[SessionSummary, ...],
     request: Request,
     folder: Path,
     workers: int,
@@ -68,7 +69,10 @@ def campaign_document(
 ) -> CampaignDocument:
     """Put the findings of a run together; `metadata` are the operator's by the sessions' names and come before theirs."""
     rows = sorted(
-        (_row(source, result, (metadata or {}).get(source.name, Known())) for source, result in run.results),
+        (
+            _row(source, result, (metadata or {}).get(source.folder.name, Known()))
+            for source, result in run.results
+        ),
         key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
     )
     parameters = parameter_series(rows)
@@ -88,7 +92,7 @@ def campaign_document(
     )
 
 
-def _row(source: Source, result: SessionResult, known: Known) -> CampaignRow:
+def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
     info = source.info
     conditions: dict[str, float] = {}
     if info is not None:

@@ -97,7 +97,10 @@ def command(
     else:
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
-    told = {source.name: {source.name, source.info.source_file if source.info else ""} for source in sources}
+    told = {
+        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
+        for source in sources
+    }
     unknown = len(set(known) - set().union(*told.values()))
     if unknown:
         progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
@@ -113,7 +116,7 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
-        folders_of = {source.name: source.folder for source in sources}
+        folders_of = {source.folder.name: source.folder for source in sources}
         tell(campaign_text.told(document), *_next(document, folders_of, given))
     if not document.rows:
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")

@@ -51,5 +51,5 @@ def import_files(
 
     found = told(campaign(sources, Request(settings), settings.sessions / FOLDER, workers=0, watch=watch))
     remarks = tuple(Paragraph(line) for line in lines)
-    made_of = [source.name for source in sources]
+    made_of = [source.folder.name for source in sources]
     return Campaign(made_of, part("told", replace(found, brief=(*remarks, *found.brief))))
