@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, VARIES, existing, pass_settings
-from station.output import json_option, print_json, progress
+from station.commands.options import FILE, GAIN, VARIES, existing, pass_settings
+from station.output import json_option, progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -33,16 +33,11 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--metadata",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="CSV",
     help="Numbers known of the sessions or files, as temperatures.",
 )
-@click.option(
-    "--recipe",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Import the files of FOLDER by this recipe.",
-)
+@click.option("--recipe", type=FILE, metavar="FILE", help="Import the files of FOLDER by this recipe.")
 @click.option("--ask", is_flag=True, help="Open the recipe of the first file in your editor, for all.")
 @click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
 @VARIES
@@ -84,7 +79,7 @@ def command(
     from station.campaign.workers import cores
     from station.exits import Answered
     from station.text import campaign_text
-    from station.text.layout import tell
+    from station.text.layout import answer
 
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
@@ -113,11 +108,9 @@ def command(
     except KeyboardInterrupt:
         progress("finished sessions are kept, and the same command continues with the rest")
         raise
-    if as_json:
-        print_json(document.plain())
-    else:
-        folders_of = {source.folder.name: source.folder for source in sources}
-        tell(campaign_text.told(document), *_next(document, folders_of, given))
+    folders_of = {source.folder.name: source.folder for source in sources}
+    step = _next(document, folders_of, given)
+    answer(as_json, document.plain(), campaign_text.told(document), *step)
     if not document.rows:
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
 

@@ -10,7 +10,9 @@ from station import exits
 from station.commands.options import (
     BAUD,
     COLUMNS,
+    FILE,
     NO_VIEWER,
+    POSITIVE,
     UNITS,
     new_session_option,
     pass_settings,
@@ -36,12 +38,7 @@ if TYPE_CHECKING:
 @click.option(
     "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
 )
-@click.option(
-    "--level",
-    type=click.FloatRange(0, min_open=True),
-    metavar="M",
-    help="Smallest swing taken for a release.",
-)
+@click.option("--level", type=POSITIVE, metavar="M", help="Smallest swing taken for a release.")
 @click.option(
     "--release",
     metavar="LENGTH",
@@ -59,7 +56,7 @@ if TYPE_CHECKING:
 @BAUD
 @click.option(
     "--spare",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FOLDER",
     help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
 )

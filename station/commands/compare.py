@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION, pass_settings
-from station.output import json_option, print_json
+from station.output import json_option
 from station.settings import Settings
 
 
@@ -34,14 +34,10 @@ def command(
     """
     from station.operations.comparing import compare_session
     from station.results.sessions import open_session
+    from station.text.comparison_text import told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.comparison_text import told
-        from station.text.layout import tell
-
-        step = "report" if compared.judged.at_floor else "diagnose"
-        tell(told(compared), step, opened.folder, full=full)
+    step = "report" if compared.judged.at_floor else "diagnose"
+    answer(as_json, document.plain(), told(compared), step, opened.folder, full=full)

@@ -60,6 +60,9 @@ def command(
     from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
     from station.operations.session_set import declared, open_sessions
     from station.results.diagnosis_document import refused_document, with_differences
+    from station.story.preparation import weighing_of
+    from station.text.diagnosis_text import told
+    from station.text.layout import answer
 
     try:
         opened = open_sessions(sessions, settings, gain_percent, declared([varies]))
@@ -75,16 +78,10 @@ def command(
     if shared is not None:
         document = with_differences(document, shared)
     keep(opened, document)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.story.preparation import weighing_of
-        from station.text.diagnosis_text import told
-        from station.text.layout import tell
-
-        weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
-        folders = [session.folder for session in opened.sessions]
-        tell(told(document, weighing, full=full), *next_step(folders, document), full=full)
+    weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
+    words = told(document, weighing, full=full)
+    folders = [session.folder for session in opened.sessions]
+    answer(as_json, document.plain(), words, *next_step(folders, document), full=full)
     if document.verdict == "not_enough_data":
         raise Answered(f"not enough data: {document.explanation}")
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import known_effect
+from station.commands.options import FILE, known_effect
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, say, screen
 from station.text.next_step import next_line
@@ -12,7 +12,7 @@ from station.text.next_step import next_line
 
 @click.command("effects")
 @click.argument("name", required=False, callback=known_effect)
-@click.option("--picture", type=click.Path(path_type=Path), metavar="FILE", help="Write its picture as PNG.")
+@click.option("--picture", type=FILE, metavar="FILE", help="Write its picture as PNG.")
 @json_option
 def command(name: str | None, picture: Path | None, as_json: bool) -> None:
     """List the effects that may be missing, or describe NAME.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import FILE, SESSION, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress
 from station.settings import Settings
@@ -19,7 +19,7 @@ FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 )
 @click.option(
     "--file",
-    type=click.Path(path_type=Path),
+    type=FILE,
     help="File to write (default: the session's name with the format's ending, here).",
 )
 @click.option("--as-recorded", is_flag=True, help="Do not move the displacement by its lag.")

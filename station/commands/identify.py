@@ -4,7 +4,7 @@ import click
 
 from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
 from station.exits import UsageProblem
-from station.output import json_option, print_json
+from station.output import json_option
 from station.settings import Settings
 
 
@@ -34,6 +34,8 @@ def command(
     from station.operations.new_session import session_info
     from station.results.sessions import open_session
     from station.story.preparation import options_for
+    from station.text.identification_text import next_command, told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions, session_info(settings, mass))
     options = options_for(opened, settings, mass)
@@ -42,13 +44,8 @@ def command(
     if stiffness_orders is not None:
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.identification_text import next_command, told
-        from station.text.layout import tell
-
-        tell(told(opened.folder.name, result), next_command(result), opened.folder)
+    words = told(opened.folder.name, result)
+    answer(as_json, document.plain(), words, next_command(result), opened.folder)
     refuse_if_nothing(result)
 
 

@@ -9,9 +9,11 @@ import click
 from station.commands.options import (
     COLUMNS,
     CONDITIONS,
+    FILE,
     MASS,
     MASS_STD,
     OPERATOR,
+    POSITIVE,
     SPECIMEN,
     UNITS,
     VARIES,
@@ -28,18 +30,13 @@ if TYPE_CHECKING:
 
 
 @click.command("import")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=FILE)
 @new_session_option("Folder of the new session (default: ./sessions/NAME).")
 @MASS
 @MASS_STD
 @COLUMNS
 @UNITS
-@click.option(
-    "--rate",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="HZ",
-    help="Sampling rate, where the file has no time.",
-)
+@click.option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate, where the file has no time.")
 @click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
 @click.option("--encoding", help="Text encoding.")

@@ -5,14 +5,14 @@ from typing import Any
 
 import click
 
-from station.commands.options import pass_settings
+from station.commands.options import FILE, pass_settings
 from station.output import json_option, print_json, say, screen
 from station.settings import Settings
 from station.text.next_step import next_line
 
 
 @click.command("list")
-@click.argument("folder", required=False, type=click.Path(path_type=Path))
+@click.argument("folder", required=False, type=FILE)
 @json_option
 @pass_settings
 def command(settings: Settings, folder: Path | None, as_json: bool) -> None:

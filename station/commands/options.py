@@ -10,6 +10,9 @@ import click
 from station.exits import UsageProblem
 from station.settings import load_settings
 
+FILE = click.Path(path_type=Path)
+POSITIVE = click.FloatRange(min=0, min_open=True)
+
 Given = TypeVar("Given", str, tuple[str, ...])
 
 
@@ -80,14 +83,14 @@ SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION.
 MODEL = click.option(
     "--model",
     "model_file",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE",
     help="A model file; or `refined`, `identified`, `usual` (spring, dry, viscous friction).",
 )
 EFFECTS = click.option(
     "--effects",
     "effects_file",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE",
     is_eager=True,
     help="Your own effects (Python).",
@@ -99,15 +102,8 @@ GAIN = click.option(
     metavar="PERCENT",
     help="Uncertainty of the gain between the channels.",
 )
-MASS_INSTEAD = click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
-MASS = click.option(
-    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
-)
+MASS_INSTEAD = click.option("--mass", type=POSITIVE, metavar="KG", help="Mass, instead of the session's.")
+MASS = click.option("--mass", type=POSITIVE, metavar="KG", help="Mass (kg m^2 for angles).")
 MASS_STD = click.option(
     "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
 )
@@ -171,4 +167,4 @@ def release_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def new_session_option(text: str) -> Callable[..., Any]:
     """Make the option `--session`, passed on as `folder`: where what is made goes, as the help `text` says."""
-    return click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help=text)
+    return click.option("--session", "folder", type=FILE, metavar="FOLDER", help=text)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import BAUD, COLUMNS, UNITS, pass_settings
+from station.commands.options import BAUD, COLUMNS, POSITIVE, UNITS, pass_settings
 from station.output import json_option, print_json, progress, screen
 from station.settings import Settings
 
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 @click.option("--port", required=True, metavar="URL", help="Port of the board, or a file that grows.")
 @COLUMNS
 @UNITS
-@click.option(
-    "--rate", type=click.FloatRange(min=0, min_open=True), metavar="HZ", help="Rate, where it is known."
-)
+@click.option("--rate", type=POSITIVE, metavar="HZ", help="Rate, where it is known.")
 @BAUD
 @json_option
 @pass_settings

@@ -7,7 +7,7 @@ import click
 
 from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect, pass_settings
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import json_option, progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -63,6 +63,9 @@ def command(
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
+    from station.story.preparation import weighing_of
+    from station.text.ladder_text import told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
@@ -77,15 +80,9 @@ def command(
         ladder = go_to(refinement, number)
     elif reset or model_file is not None or ladder.seen is None:
         ladder = write_ladder(opened, ladder)
-    if as_json:
-        print_json(ladder_document(opened, ladder))
-    else:
-        from station.story.preparation import weighing_of
-        from station.text.ladder_text import told
-        from station.text.layout import tell
-
-        weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
-        tell(told(ladder, weighing), *_next(opened, ladder), full=True)
+    weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
+    document = ladder_document(opened, ladder)
+    answer(as_json, document, told(ladder, weighing), *_next(opened, ladder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 

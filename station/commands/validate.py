@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import EFFECTS, SESSIONS, VARIES, existing, pass_settings
-from station.output import json_option, print_json, progress
+from station.output import json_option, progress
 from station.settings import Settings
 
 
@@ -35,15 +35,12 @@ def command(
     The usual model predicts under the same rule.
     """
     from station.operations.validating import validate_sessions
+    from station.text.layout import answer
+    from station.text.validation_text import told
 
     document = validate_sessions(
         model, sessions, settings, effects_file, hold=hold, varies=varies, progress=progress
     )
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.layout import tell
-        from station.text.validation_text import told
-
-        better = document.verdict == "predicts_better"
-        tell(told(document), *(("report", sessions[0]) if better else ("diagnose", *sessions)))
+    better = document.verdict == "predicts_better"
+    step = ("report", sessions[0]) if better else ("diagnose", *sessions)
+    answer(as_json, document.plain(), told(document), *step)

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from station.commands.options import NO_VIEWER, SESSION, pass_settings
+from station.commands.options import FILE, NO_VIEWER, SESSION, pass_settings
 from station.output import json_option, print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
@@ -15,7 +15,7 @@ from station.text.next_step import next_line
 @SESSION
 @click.option(
     "--screenshot",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="DIR",
     help="Write a picture of every tab into DIR; needs no screen.",
 )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.padding import Padding
@@ -9,7 +10,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from identify.formatting import SPACE
-from station.output import screen
+from station.output import print_json, screen
 from station.plain_letters import writable
 from station.text.content import Facts, Paragraph, Part, Table, Told
 from station.text.next_step import next_line
@@ -20,6 +21,16 @@ MOST_LINES, FEWEST = 12, 1
 
 STYLES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
 MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
+
+
+def answer(
+    as_json: bool, document: dict[str, Any], told: Told, *following: str | Path, full: bool = False
+) -> None:
+    """Print a result as one JSON object, or for people with the command that comes next."""
+    if as_json:
+        print_json(document)
+    else:
+        tell(told, *following, full=full)
 
 
 def tell(told: Told, *following: str | Path, full: bool = False) -> None:
