@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import FILE, GAIN, VARIES, existing, pass_settings
-from station.output import json_option, progress
+from station.commands.options import GAIN, JSON, VARIES, argument, declared, existing, option
+from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -17,49 +17,33 @@ if TYPE_CHECKING:
     from station.results.campaign_document import CampaignDocument
 
 
-@click.command("campaign")
-@click.argument(
-    "sessions",
-    nargs=-1,
-    metavar="[FOLDER | SESSION...]",
-    callback=existing("folder, session or data file", or_all=True),
-)
-@click.option("--diagnose", is_flag=True, help="Diagnose each session too: seconds each.")
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="FOLDER",
-    help="Where results are kept (default: FOLDER/campaign).",
-)
-@click.option(
-    "--metadata",
-    type=FILE,
-    metavar="CSV",
-    help="Numbers known of the sessions or files, as temperatures.",
-)
-@click.option("--recipe", type=FILE, metavar="FILE", help="Import the files of FOLDER by this recipe.")
-@click.option("--ask", is_flag=True, help="Open the recipe of the first file in your editor, for all.")
-@click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
-@VARIES
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes here (default: one a core)."
-)
-@GAIN
-@json_option
-@pass_settings
+A_FOLDER = click.Path(path_type=Path, file_okay=False)
+
+
+@declared("campaign")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...],
-    diagnose: bool,
-    output: Path | None,
-    metadata: Path | None,
-    recipe: Path | None,
-    ask: bool,
-    names: str | None,
-    varies: tuple[str, ...],
-    workers: int | None,
-    gain_percent: float | None,
-    as_json: bool,
+    sessions: tuple[str, ...] = argument(
+        nargs=-1,
+        metavar="[FOLDER | SESSION...]",
+        callback=existing("folder, session or data file", or_all=True),
+    ),
+    diagnose: bool = option("Diagnose each session too: seconds each."),
+    output: Path | None = option(
+        "Where results are kept (default: FOLDER/campaign).",
+        type=A_FOLDER,
+        metavar="FOLDER",
+    ),
+    metadata: Path | None = option("Numbers known of the sessions or files, as temperatures.", metavar="CSV"),
+    recipe: Path | None = option("Import the files of FOLDER by this recipe.", metavar="FILE"),
+    ask: bool = option("Open the recipe of the first file in your editor, for all."),
+    names: str | None = option('What the names of files say, as "{arm:d}P.txt".', metavar="PATTERN"),
+    varies: tuple[str, ...] = VARIES,
+    workers: int | None = option(
+        "Processes here (default: one a core).", type=click.IntRange(1, 1024), metavar="N"
+    ),
+    gain_percent: float | None = GAIN,
+    as_json: bool = JSON,
 ) -> None:
     """Identify hundreds of sessions and look at them together.
 

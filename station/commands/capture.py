@@ -10,15 +10,16 @@ from station import exits
 from station.commands.options import (
     BAUD,
     COLUMNS,
-    FILE,
+    JSON,
     NO_VIEWER,
     POSITIVE,
     UNITS,
+    declared,
     new_session_option,
-    pass_settings,
+    option,
     release_options,
 )
-from station.output import json_option, print_json, progress, say
+from station.output import print_json, progress, say
 from station.settings import Settings
 
 MOST_TAKES = 3
@@ -27,13 +28,7 @@ if TYPE_CHECKING:
     from daq.session import Session
 
 
-@click.command("capture")
-@click.option(
-    "--port",
-    metavar="URL",
-    help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
-)
-@new_session_option("Folder of the new session (default: ./sessions/release_TIME).")
+@declared("capture")
 @release_options
 @click.option(
     "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
@@ -44,45 +39,35 @@ if TYPE_CHECKING:
     metavar="LENGTH",
     help="The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
 )
-@click.option(
-    "--lines", is_flag=True, help="The board prints numbers, a line a sample; PORT may be a file that grows."
-)
-@click.option(
-    "--profile", metavar="NAME", help="What its lines mean, as kept by `station profile` (implies --lines)."
-)
-@click.option("--source", metavar="SOURCE", help="Instead of a port: audio, audio:DEVICE, or FILE.py:CLASS.")
-@COLUMNS
-@UNITS
-@BAUD
-@click.option(
-    "--spare",
-    type=FILE,
-    metavar="FOLDER",
-    help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
-)
-@NO_VIEWER
-@click.option(
-    "--again/--no-again",
-    default=None,
-    help="Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
-)
-@json_option
-@pass_settings
 def command(
     settings: Settings,
     /,
-    port: str | None,
-    folder: Path | None,
-    spare: Path | None,
-    no_viewer: bool,
-    again: bool | None,
-    as_json: bool,
-    lines: bool,
-    profile: str | None,
-    source: str | None,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    baud: int | None,
+    port: str | None = option(
+        "Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
+        metavar="URL",
+    ),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/release_TIME)."),
+    lines: bool = option("The board prints numbers, a line a sample; PORT may be a file that grows."),
+    profile: str | None = option(
+        "What its lines mean, as kept by `station profile` (implies --lines).", metavar="NAME"
+    ),
+    source: str | None = option(
+        "Instead of a port: audio, audio:DEVICE, or FILE.py:CLASS.", metavar="SOURCE"
+    ),
+    columns: dict[str, str | int] = COLUMNS,
+    units: dict[str, str] = UNITS,
+    baud: int | None = BAUD,
+    spare: Path | None = option(
+        "Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
+        metavar="FOLDER",
+    ),
+    no_viewer: bool = NO_VIEWER,
+    again: bool | None = option(
+        "Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
+        "--again/--no-again",
+        default=None,
+    ),
+    as_json: bool = JSON,
     **given: Any,
 ) -> int:
     """Record one release, judge the recording, and identify it.

@@ -2,29 +2,19 @@
 
 from pathlib import Path
 
-import click
-
-from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION, pass_settings
-from station.output import json_option
+from station.commands.options import EFFECTS, FULL, JSON, MASS_INSTEAD, MODEL, SESSION, declared
 from station.settings import Settings
 
 
-@click.command("compare")
-@SESSION
-@MODEL
-@EFFECTS
-@MASS_INSTEAD
-@FULL
-@json_option
-@pass_settings
+@declared("compare")
 def command(
     settings: Settings,
-    session: str,
-    model_file: Path | None,
-    effects_file: Path | None,
-    mass: float | None,
-    full: bool,
-    as_json: bool,
+    session: str = SESSION,
+    model_file: Path | None = MODEL,
+    effects_file: Path | None = EFFECTS,
+    mass: float | None = MASS_INSTEAD,
+    full: bool = FULL,
+    as_json: bool = JSON,
 ) -> None:
     """Compare a model with SESSION: how large its errors are, and where.
 

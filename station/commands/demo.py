@@ -6,53 +6,34 @@ from typing import Any
 
 import click
 
-from station.commands.options import NO_VIEWER, new_session_option, pass_settings
-from station.output import json_option, print_json
+from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
+from station.output import print_json
 from station.settings import Settings
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 
 
-@click.command("demo")
-@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and release.")
-@click.option(
-    "--speed",
-    type=click.FloatRange(min=0),
-    default=SPEED,
-    show_default=True,
-    help="Times real time; 0: as fast as it goes.",
-)
-@click.option(
-    "--mystery", is_flag=False, flag_value=-1, type=int, metavar="[SEED]", help="Hide an effect, find it."
-)
-@click.option(
-    "--guided",
-    is_flag=False,
-    flag_value=5,
-    type=int,
-    metavar="[SEED]",
-    help="Hide an effect; be guided to its name.",
-)
-@click.option("--example", metavar="NAME", help="Identify a recording that comes with the station.")
-@click.option("--list", "listed", is_flag=True, help="List the recordings that come with the station.")
-@click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
-@new_session_option("Folder of the new session (default: ./sessions/demo_TIME).")
-@NO_VIEWER
-@json_option
-@pass_settings
+@declared("demo")
 def command(
     settings: Settings,
-    seed: int,
-    speed: float,
-    mystery: int | None,
-    guided: int | None,
-    example: str | None,
-    listed: bool,
-    pty: bool,
-    folder: Path | None,
-    no_viewer: bool,
-    as_json: bool,
+    seed: int = option("Draws bench, sensors, lag and release.", default=6, show_default=True),
+    speed: float = option(
+        "Times real time; 0: as fast as it goes.",
+        type=click.FloatRange(min=0),
+        default=SPEED,
+        show_default=True,
+    ),
+    mystery: int | None = option("Hide an effect, find it.", is_flag=False, flag_value=-1, metavar="[SEED]"),
+    guided: int | None = option(
+        "Hide an effect; be guided to its name.", is_flag=False, flag_value=5, metavar="[SEED]"
+    ),
+    example: str | None = option("Identify a recording that comes with the station.", metavar="NAME"),
+    listed: bool = option("List the recordings that come with the station.", "--list"),
+    pty: bool = option("Connect through a pseudo terminal instead of TCP."),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/demo_TIME)."),
+    no_viewer: bool = NO_VIEWER,
+    as_json: bool = JSON,
 ) -> None:
     """Run the whole job on a simulated board: capture, align, identify, show.
 

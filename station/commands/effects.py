@@ -2,19 +2,18 @@
 
 from pathlib import Path
 
-import click
-
-from station.commands.options import FILE, known_effect
+from station.commands.options import JSON, argument, declared, known_effect, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress, say, screen
+from station.output import print_json, progress, say, screen
 from station.text.next_step import next_line
 
 
-@click.command("effects")
-@click.argument("name", required=False, callback=known_effect)
-@click.option("--picture", type=FILE, metavar="FILE", help="Write its picture as PNG.")
-@json_option
-def command(name: str | None, picture: Path | None, as_json: bool) -> None:
+@declared("effects")
+def command(
+    name: str | None = argument(required=False, callback=known_effect),
+    picture: Path | None = option("Write its picture as PNG.", metavar="FILE"),
+    as_json: bool = JSON,
+) -> None:
     """List the effects that may be missing, or describe NAME.
 
     With NAME: its equation, parameters with units and bounds, how it shows,

@@ -4,36 +4,25 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import FILE, SESSION, pass_settings
+from station.commands.options import JSON, SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import print_json, progress
 from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 
 
-@click.command("export")
-@SESSION
-@click.option(
-    "--to", "form", type=click.Choice(FORMATS), help="Format (default: by the ending of FILE, else csv)."
-)
-@click.option(
-    "--file",
-    type=FILE,
-    help="File to write (default: the session's name with the format's ending, here).",
-)
-@click.option("--as-recorded", is_flag=True, help="Do not move the displacement by its lag.")
-@click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
-@json_option
-@pass_settings
+@declared("export")
 def command(
     settings: Settings,
-    session: str,
-    form: str | None,
-    file: Path | None,
-    as_recorded: bool,
-    overwrite: bool,
-    as_json: bool,
+    session: str = SESSION,
+    form: str | None = option(
+        "Format (default: by the ending of FILE, else csv).", "--to", type=click.Choice(FORMATS)
+    ),
+    file: Path | None = option("File to write (default: the session's name with the format's ending, here)."),
+    as_recorded: bool = option("Do not move the displacement by its lag."),
+    overwrite: bool = option("Replace a file that is there."),
+    as_json: bool = JSON,
 ) -> None:
     """Write the channels of SESSION, on one clock, into a file.
 

@@ -2,26 +2,19 @@
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
+from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import json_option
 from station.settings import Settings
 
 
-@click.command("identify")
-@SESSION
-@MASS_INSTEAD
-@click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
-@click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")
-@json_option
-@pass_settings
+@declared("identify")
 def command(
     settings: Settings,
-    session: str,
-    mass: float | None,
-    max_order: int | None,
-    stiffness_orders: str | None,
-    as_json: bool,
+    session: str = SESSION,
+    mass: float | None = MASS_INSTEAD,
+    max_order: int | None = option("Highest order of damping that is tried.", type=click.IntRange(0, 5)),
+    stiffness_orders: str | None = option("Orders of displacement in the restoring force.", metavar="1,3"),
+    as_json: bool = JSON,
 ) -> None:
     """Find stiffness, friction and damping in SESSION.
 

@@ -9,7 +9,7 @@ import click
 from station.commands.options import (
     COLUMNS,
     CONDITIONS,
-    FILE,
+    JSON,
     MASS,
     MASS_STD,
     OPERATOR,
@@ -17,11 +17,13 @@ from station.commands.options import (
     SPECIMEN,
     UNITS,
     VARIES,
+    argument,
+    declared,
     new_session_option,
-    pass_settings,
+    option,
 )
 from station.exits import UsageProblem
-from station.output import json_option, print_json, say, screen
+from station.output import print_json, say, screen
 from station.settings import Settings
 from station.text.next_step import next_line
 
@@ -29,13 +31,7 @@ if TYPE_CHECKING:
     from station.results.sessions import Imported
 
 
-@click.command("import")
-@click.argument("file", type=FILE)
-@new_session_option("Folder of the new session (default: ./sessions/NAME).")
-@MASS
-@MASS_STD
-@COLUMNS
-@UNITS
+@declared("import")
 @click.option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate, where the file has no time.")
 @click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
@@ -49,43 +45,34 @@ if TYPE_CHECKING:
     "--run", metavar="N", help="One run of a file that holds several (default: all, a session each)."
 )
 @click.option(
-    "--angle-from",
-    metavar="X,Y",
-    help="Angle of a pendulum from the columns x and y (up) of its bob, from the pivot.",
-)
-@click.option(
     "--from", "start", type=float, metavar="S", help="Leave out what is before this time of the file."
 )
 @click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
-@click.option("--recipe", metavar="FILE", help="Read by this recipe alone; none: by no recipe that was kept.")
-@click.option("--ask", is_flag=True, help="Open the proposed recipe in your editor.")
 @click.option(
     "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
 )
 @click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
-@SPECIMEN
-@OPERATOR
-@CONDITIONS
-@VARIES
-@json_option
-@pass_settings
 def command(
     settings: Settings,
     /,
-    file: Path,
-    folder: Path | None,
-    mass: float | None,
-    mass_std: float | None,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    angle_from: str | None,
-    specimen: str | None,
-    operator: str | None,
-    conditions: tuple[str, ...],
-    varies: tuple[str, ...],
-    recipe: str | None,
-    ask: bool,
-    as_json: bool,
+    file: Path = argument(),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/NAME)."),
+    mass: float | None = MASS,
+    mass_std: float | None = MASS_STD,
+    columns: dict[str, str | int] = COLUMNS,
+    units: dict[str, str] = UNITS,
+    angle_from: str | None = option(
+        "Angle of a pendulum from the columns x and y (up) of its bob, from the pivot.", metavar="X,Y"
+    ),
+    recipe: str | None = option(
+        "Read by this recipe alone; none: by no recipe that was kept.", metavar="FILE"
+    ),
+    ask: bool = option("Open the proposed recipe in your editor."),
+    specimen: str | None = SPECIMEN,
+    operator: str | None = OPERATOR,
+    conditions: tuple[str, ...] = CONDITIONS,
+    varies: tuple[str, ...] = VARIES,
+    as_json: bool = JSON,
     **others: Any,
 ) -> None:
     """Turn FILE (CSV, JSON, MATLAB .mat, UFF58) into sessions, one for each release.

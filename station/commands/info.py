@@ -2,19 +2,18 @@
 
 from typing import Any
 
-import click
-
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import JSON, SESSION, declared
 from station.exits import UsageProblem
-from station.output import json_option, print_json, say, screen
+from station.output import print_json, say, screen
 from station.settings import Settings
 
 
-@click.command("info")
-@SESSION
-@json_option
-@pass_settings
-def command(settings: Settings, session: str, as_json: bool) -> None:
+@declared("info")
+def command(
+    settings: Settings,
+    session: str = SESSION,
+    as_json: bool = JSON,
+) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
     from identify.formatting import plain_name
     from station.operations.current_model import current_model

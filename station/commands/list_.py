@@ -3,19 +3,18 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
-from station.commands.options import FILE, pass_settings
-from station.output import json_option, print_json, say, screen
+from station.commands.options import JSON, argument, declared
+from station.output import print_json, say, screen
 from station.settings import Settings
 from station.text.next_step import next_line
 
 
-@click.command("list")
-@click.argument("folder", required=False, type=FILE)
-@json_option
-@pass_settings
-def command(settings: Settings, folder: Path | None, as_json: bool) -> None:
+@declared("list")
+def command(
+    settings: Settings,
+    folder: Path | None = argument(required=False),
+    as_json: bool = JSON,
+) -> None:
     """List the sessions in FOLDER (default: ./sessions), oldest first."""
     from daq.session import list_sessions
     from station.exits import UsageProblem

@@ -4,32 +4,24 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import BAUD, COLUMNS, POSITIVE, UNITS, pass_settings
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import BAUD, COLUMNS, JSON, POSITIVE, UNITS, argument, declared, option
+from station.output import print_json, progress, screen
 from station.settings import Settings
 
 if TYPE_CHECKING:
     from daq.sources.line_format import LineFormat, Sample
 
 
-@click.command("profile")
-@click.argument("name", required=False)
-@click.option("--port", required=True, metavar="URL", help="Port of the board, or a file that grows.")
-@COLUMNS
-@UNITS
-@click.option("--rate", type=POSITIVE, metavar="HZ", help="Rate, where it is known.")
-@BAUD
-@json_option
-@pass_settings
+@declared("profile")
 def command(
     settings: Settings,
-    name: str | None,
-    port: str,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    rate: float | None,
-    baud: int | None,
-    as_json: bool,
+    name: str | None = argument(required=False),
+    port: str = option("Port of the board, or a file that grows.", required=True, metavar="URL"),
+    columns: dict[str, str | int] = COLUMNS,
+    units: dict[str, str] = UNITS,
+    rate: float | None = option("Rate, where it is known.", type=POSITIVE, metavar="HZ"),
+    baud: int | None = BAUD,
+    as_json: bool = JSON,
 ) -> None:
     """Listen to a board that prints numbers, a line a sample, and show what comes.
 

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import SESSIONS, pass_settings
+from station.commands.options import JSON, SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import print_json, progress
 from station.settings import Settings
 from station.text.next_step import next_line
 
@@ -16,12 +16,13 @@ if TYPE_CHECKING:
 FORMATS = ("text", "csv", "latex")
 
 
-@click.command("table")
-@SESSIONS
-@click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
-@json_option
-@pass_settings
-def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
+@declared("table")
+def command(
+    settings: Settings,
+    sessions: tuple[str, ...] = SESSIONS,
+    form: str = option("", "--format", type=click.Choice(FORMATS), default="text", show_default=True),
+    as_json: bool = JSON,
+) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
 
     Sessions are identified on the way. Angles and lengths do not go into one
