@@ -19,7 +19,7 @@ def command(
     """Compare a model with SESSION: how large its errors are, and where.
 
     The residual beside the noise, a sensor or physics, the worst places in
-    words; --full adds noise, cycles and harmonics. Without --model it is the session's current
+    words; --full adds noise and harmonics. Without --model it is the session's current
     model: the refined one, and before any `refine` the one that it begins with.
     """
     from station.operations.comparing import compare_session

@@ -31,4 +31,4 @@ def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
             draw.cycles(compared.comparison, look),
         ),
     )
-    return (*words.brief, *words.more[:-1], *figures, *words.more[-1:])
+    return (*words.brief, *words.more, *figures)
