@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
-from station.output import print_json
+from station.output import print_json, screen
 from station.settings import Settings
 
 SPEED = 4.0
@@ -49,9 +49,7 @@ def command(
 
         finish(open_example(example, settings.sessions), None, settings, as_json)
     elif guided is not None:
-        from station.commands.guided_demo import play_guided
-
-        play_guided(settings, guided, speed, pty, folder, as_json)
+        _guided(settings, guided, speed, pty, folder, as_json)
     elif mystery is not None:
         from station.operations.mystery import play
 
@@ -67,6 +65,35 @@ def command(
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
         finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+
+
+def _guided(
+    settings: Settings, seed: int, speed: float, pty: bool, folder: Path | None, as_json: bool
+) -> None:
+    """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
+    from station.commands.guide import show_guided
+    from station.operations.guiding import RIG, SIMULATED, GuidedTest
+    from station.operations.mystery import BOARD, hidden_words
+    from station.operations.new_session import new_folder
+    from station.operations.simulated_board import on_simulated, simulated_capture
+    from station.text.layout import labelled
+
+    wanted = simulated_capture(settings, f"mystery {seed}", speed)
+    place = folder or new_folder(settings.sessions, "guide")
+    document, envelope = on_simulated(
+        lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True), as_json),
+        seed,
+        speed,
+        pty,
+        *RIG,
+        module=BOARD,
+    )
+    truth = json.loads(envelope)
+    if as_json:
+        hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
+        print_json(document.plain() | {"hidden": hidden})
+    else:
+        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now"))
 
 
 def _list(as_json: bool) -> None:

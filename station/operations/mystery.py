@@ -31,9 +31,8 @@ from station.settings import Settings
 from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
-from station.text.content import Part, Table, facts
-from station.text.layout import show, show_parts
-from station.text.next_step import next_line
+from station.text.content import Part, Table, Told, Tone, facts
+from station.text.layout import show, tell
 from station.text.numbers import typeset, with_unit
 
 SEEDS = 1000
@@ -84,7 +83,9 @@ def play(
     if as_json:
         print_json(_document(solved))
     else:
-        _reveal(console, solved)
+        _say(console, "4. WHAT WAS HIDDEN: it is read only now")
+        tell(revealed(solved), "report", solved.session.folder)
+        say(" another: station demo --mystery")
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 
@@ -142,13 +143,20 @@ def hidden_words(truth: dict[str, Any]) -> str:
     return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
 
 
-def _reveal(console: Console, solved: Solved) -> None:
-    _say(console, "4. WHAT WAS HIDDEN: it is read only now")
-    console.print(Padding(Text(hidden_words(solved.truth), style="bold"), (0, 1)))
-    show_parts(console, [_side_by_side(solved)])
-    console.print(Padding(_verdict(solved), (0, 1)))
-    for line in (next_line("report", solved.session.folder), " another: station demo --mystery"):
-        say(line)
+def revealed(solved: Solved) -> Told:
+    """Tell what was hidden, and whether it was found."""
+    hidden, left = plain_name(solved.truth["hidden"]), solved.ladder.top.error.words
+    tone: Tone = "good" if solved.right else "bad" if solved.found else "unsure"
+    if solved.right:
+        said = f"FOUND: {hidden} was named, and the model now leaves {left}."
+    elif solved.found:
+        said = f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {hidden}."
+        if solved.truth["hidden"] in solved.diagnosis.suspects[0].confusable_with:
+            said += " The diagnosis does say that the two are easily confused."
+    else:
+        verdict = solved.diagnosis.verdict.replace("_", " ")
+        said = f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there."
+    return Told(said, tone, (*facts([("hidden", hidden_words(solved.truth))]), _side_by_side(solved)))
 
 
 def places(compared: Compared) -> tuple[Part, ...]:
@@ -178,26 +186,6 @@ def _side_by_side(solved: Solved) -> Table:
         hidden = f"{value:.5g}" if not estimate.std else f"{value:.{decimals_for(estimate.std)}f}"
         rows.append((name, hidden, with_unit(estimate)))
     return Table("", ("", "hidden", "found"), tuple(rows))
-
-
-def _verdict(solved: Solved) -> Text:
-    hidden, left = solved.truth["hidden"], solved.ladder.top.error.words
-    if solved.right:
-        return Text(
-            f"FOUND: {plain_name(hidden)} was named, and the model now leaves {left}.",
-            style="bold green",
-        )
-    if solved.found:
-        rivals = solved.diagnosis.suspects[0].confusable_with
-        warned = " The diagnosis does say that the two are easily confused." if hidden in rivals else ""
-        return Text(
-            f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {plain_name(hidden)}.{warned}",
-            style="bold red",
-        )
-    verdict = solved.diagnosis.verdict.replace("_", " ")
-    return Text(
-        f"NOT NAMED: the verdict was '{verdict}', and {plain_name(hidden)} was there.", style="bold yellow"
-    )
 
 
 def _document(solved: Solved) -> dict[str, Any]:
