@@ -19,13 +19,14 @@ from station.commands.options import (
     option,
     release_options,
 )
-from station.output import print_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 MOST_TAKES = 3
 
 if TYPE_CHECKING:
     from daq.session import Session
+    from station.text.content import Part
 
 
 @declared("capture")
@@ -112,14 +113,20 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
 
 
 def finish(
-    session: "Session", url: str | None, settings: Settings, as_json: bool, note: str = "", **more: Any
+    session: "Session",
+    url: str | None,
+    settings: Settings,
+    as_json: bool,
+    note: "tuple[Part, ...]" = (),
+    **more: Any,
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
+    from dataclasses import replace
+
     from station.operations.identifying import identify_session, refuse_if_nothing, write_view
     from station.story.preparation import options_for
     from station.text.identification_text import next_command, told
-    from station.text.layout import tell
-    from station.text.next_step import next_line
+    from station.text.layout import answer
 
     verdict = session.verdict
     if verdict is not None:
@@ -130,25 +137,19 @@ def finish(
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
-    if not as_json:
-        tell(told(session.folder.name, result))
-        if note:
-            say(note)
     file = write_view(session, result)
     if url is not None:
         from station.views import show
 
         show.send(url, session.folder.name, result)
     progress(f"viewer's recording: {file}")
-    if as_json:
-        known = {
-            "session": str(session.folder),
-            "viewer_recording": str(file),
-            "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-            "identification": document.plain(),
-        }
-        print_json(known | more)
-    else:
-        line = next_line(next_command(result), session.folder)
-        say(line)
+    known = {
+        "session": str(session.folder),
+        "viewer_recording": str(file),
+        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+        "identification": document.plain(),
+    }
+    words = told(session.folder.name, result)
+    words = replace(words, brief=(*words.brief, *note))
+    answer(as_json, known | more, words, next_command(result), session.folder)
     refuse_if_nothing(result)

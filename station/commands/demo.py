@@ -2,13 +2,16 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
 from station.output import print_json, screen
 from station.settings import Settings
+
+if TYPE_CHECKING:
+    from station.text.content import Part
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -64,7 +67,7 @@ def command(
         session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer)
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
-        finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+        finish(session, url, settings, as_json, (_made_of(truth),), made_of=made_of)
 
 
 def _guided(
@@ -108,9 +111,11 @@ def _list(as_json: bool) -> None:
     click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
 
 
-def _made_of(truth: dict[str, Any]) -> str:
-    return (
-        " the simulated board was made with (which the station did not know):\n"
-        f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
-        f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
+def _made_of(truth: dict[str, Any]) -> "Part":
+    from station.text.content import Paragraph
+
+    return Paragraph(
+        f"K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s, "
+        f"lag {truth['displacement_late_s'] * 1e6:.1f} us",
+        label="the simulated board was made with (which the station did not know)",
     )
