@@ -84,10 +84,6 @@ def _print(document: dict[str, Any], rate: float, model: str) -> None:
 
 def _next(results: list[str]) -> str:
     """Return the first command whose result the session does not hold."""
-    steps = (
-        ("identification.json", "identify"),
-        ("comparison.json", "compare"),
-        ("diagnosis.json", "diagnose"),
-    )
-    missing = [] if "ladder.json" in results else [command for name, command in steps if name not in results]
-    return missing[0] if missing else "report"
+    steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
+    missing = (command for name, command in steps.items() if name not in results)
+    return "report" if "ladder.json" in results else next(missing, "report")

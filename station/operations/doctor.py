@@ -46,7 +46,8 @@ class Finding:
 
 def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator[Finding]:
     """Check the computer, and a port with its board: the one that is named, or each on which a board answers."""
-    yield from _versions()
+    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
+    yield Finding(Grade.PASS, "packages", ", ".join(f"{name} {version(name)}" for name in PACKAGES))
     yield from _disk(sessions)
     if port:
         yield from _board(port, rate, seconds)
@@ -61,11 +62,6 @@ def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> It
         else:
             remedy = "ignore this if no board is meant to be on that port"
             yield Finding(Grade.WARN, "port", candidate.problem, remedy)
-
-
-def _versions() -> Iterator[Finding]:
-    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
-    yield Finding(Grade.PASS, "packages", ", ".join(f"{name} {version(name)}" for name in PACKAGES))
 
 
 def _disk(sessions: Path) -> Iterator[Finding]:

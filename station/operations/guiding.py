@@ -82,8 +82,9 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             "unit": "m",
         }
         document = None
-        if rejected := _why_rejected(session):
-            turn["problem"] = rejected
+        verdict = session.verdict
+        if verdict is not None and verdict.grade is Grade.REJECT:
+            turn["problem"] = rejected = f"the recording was rejected: {'; '.join(verdict.reasons)}"
             told = _again(told, rejected, [one.problem for one in turns])
         else:
             try:
@@ -119,14 +120,6 @@ def _record(test: GuidedTest, experiment: Experiment, number: int, watcher: Watc
         release_from=experiment.amplitude if test.alone else None,
     )
     return capture(test.port, wanted, test.folder / f"release_{number}", watcher.observer())
-
-
-def _why_rejected(session: Session) -> str:
-    """Say why a recording is not good enough to be judged; "" where it is."""
-    verdict = session.verdict
-    if verdict is None or verdict.grade is not Grade.REJECT:
-        return ""
-    return f"the recording was rejected: {'; '.join(verdict.reasons)}"
 
 
 def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:

@@ -36,8 +36,6 @@ from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
 Seen = Callable[[KeptLadder, str], None]
 
-MOST_FITTED = 12
-
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
@@ -113,8 +111,6 @@ def step_again(refinement: Refinement, step: KeptStep) -> Step:
 
 
 def _remember(refinement: Refinement, step: KeptStep, found: Step) -> None:
-    while len(refinement.fitted) >= MOST_FITTED:
-        del refinement.fitted[next(iter(refinement.fitted))]
     refinement.fitted[to_text(step.model)] = found
 
 

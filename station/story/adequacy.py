@@ -73,13 +73,9 @@ def needed_orders(methods: Sequence[Method]) -> tuple[int, tuple[int, ...]]:
         order
         for method in methods
         for order, value in method.stiffness_by_order.items()
-        if _sure(order, value)
+        if order == 1 or abs(value.value) > FAR_APART * value.std
     }
     return max(method.order for method in methods), tuple(sorted(stiffness | {1}))
-
-
-def _sure(order: int, value: Estimate) -> bool:
-    return order == 1 or abs(value.value) > FAR_APART * value.std
 
 
 def recording_doubt(manifest: Manifest) -> str:

@@ -13,7 +13,8 @@ LESS_SURE = 0.01
 
 def told(document: CampaignDocument) -> Told:
     """Tell a campaign."""
-    trends = worth_showing(document.trends)
+    # Those that are sure, and after them those with p below 1 %.
+    trends = [one for one in document.trends if one.sure or one.p_value < LESS_SURE][:MOST_TRENDS]
     tables = [_charts(document.charts)] if document.charts else [_few(document.rows)] if document.rows else []
     tables += [_trends(trends)] if trends else []
     return Told(headline(document), "", (*tables, *facts(_facts(document, trends))))
@@ -28,11 +29,6 @@ def headline(document: CampaignDocument) -> str:
 
 def _sessions(number: int) -> str:
     return f"{number} session{'s' * (number != 1)}"
-
-
-def worth_showing(trends: list[TrendDocument]) -> list[TrendDocument]:
-    """Return the trends that are sure, and after them those with p below 1 %, a few in all."""
-    return [t for t in trends if t.sure or t.p_value < LESS_SURE][:MOST_TRENDS]
 
 
 def _charts(charts: list[ChartDocument]) -> Table:
