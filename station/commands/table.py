@@ -11,6 +11,7 @@ from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
+    from daq.session import Session
     from station.results.identification_document import IdentificationDocument
 
 FORMATS = ("text", "csv", "latex")
@@ -30,23 +31,20 @@ def command(
     """
     from identify.errors import NotIdentifiable
     from station.operations.identifying import identify_session, kept_options
+    from station.operations.session_set import of_each
     from station.results.sessions import open_session
     from station.text import table
 
-    documents: list[IdentificationDocument] = []
-    folders = []
-    for name in sessions:
-        session = open_session(name, settings.sessions)
-        try:
-            result, document = identify_session(session, kept_options(session, settings))
-        except NotIdentifiable as refusal:
-            progress(f"left out: {name}: {refusal}")
-            continue
+    def identified(session: "Session") -> "IdentificationDocument":
+        result, document = identify_session(session, kept_options(session, settings))
         if result.wavelet is None and result.restoring_force is None:
-            progress(f"left out: {name}: nothing identified")
-            continue
-        documents.append(document)
-        folders.append(session.folder)
+            raise NotIdentifiable("nothing identified")
+        return document
+
+    found, left_out = of_each([open_session(name, settings.sessions) for name in sessions], identified)
+    for name, why in left_out.items():
+        progress(f"left out: {name}: {why}")
+    documents, folders = [document for _, document in found], [session.folder for session, _ in found]
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
     if len({document.record.unit for document in documents}) > 1:
