@@ -24,9 +24,9 @@ def command(
     from station.commands.capture import finish
     from station.operations.capturing import live_screen
     from station.results.sessions import open_session
-    from station.text.capture_progress import Several, Watch
+    from station.text.capture_progress import Watch
 
     opened = open_session(session, settings.sessions)
-    with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as screen, Watch() as watch:
-        replay(opened, Several((watch, *screen.observers)), speed)
-    finish(opened, screen.url, settings, as_json)
+    with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as (url, live), Watch(live) as watch:
+        replay(opened, watch, speed)
+    finish(opened, url, settings, as_json)

@@ -23,7 +23,7 @@ from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
-from station.output import print_json, progress, say, screen
+from station.output import progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
@@ -32,7 +32,7 @@ from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Part, Table, Told, Tone, facts
-from station.text.layout import show, tell
+from station.text.layout import answer, show
 from station.text.numbers import typeset, with_unit
 
 SEEDS = 1000
@@ -80,12 +80,8 @@ def play(
         "know which. It records one release to find out.",
     )
     solved, url = solve(settings, chosen, speed, pty, folder, no_viewer, console)
-    if as_json:
-        print_json(_document(solved))
-    else:
-        _say(console, "4. WHAT WAS HIDDEN: it is read only now")
-        tell(revealed(solved), "report", solved.session.folder)
-        say(" another: station demo --mystery")
+    _say(console, "4. WHAT WAS HIDDEN: it is read only now")
+    answer(as_json, _document(solved), revealed(solved), "report", solved.session.folder)
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 

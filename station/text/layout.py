@@ -30,15 +30,10 @@ def answer(
     if as_json:
         print_json(document)
     else:
-        tell(told, *following, full=full)
-
-
-def tell(told: Told, *following: str | Path, full: bool = False) -> None:
-    """Print a result on the screen, and the command that comes next."""
-    console = screen()
-    show(console, told, full=full)
-    if following:
-        console.print(next_line(*following), markup=False, soft_wrap=True)
+        console = screen()
+        show(console, told, full=full)
+        if following:
+            console.print(next_line(*following), markup=False, soft_wrap=True)
 
 
 def show(console: Console, told: Told, *, full: bool = False) -> None:
