@@ -23,12 +23,11 @@ from station.commands.options import (
     option,
 )
 from station.exits import UsageProblem
-from station.output import print_json, say, screen
 from station.settings import Settings
-from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.sessions import Imported
+    from station.text.content import Told
 
 
 @declared("import")
@@ -87,6 +86,7 @@ def command(
     from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
     from station.safe_text import harmless
+    from station.text.layout import answer
 
     options = ImportOptions(
         columns=columns, units=units, angle_from=_two("--angle-from", angle_from), **others
@@ -108,10 +108,7 @@ def command(
         if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
             click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(file, options, refusal) from refusal
-    if as_json:
-        print_json(_document(file, imported))
-    else:
-        _say(file, imported)
+    answer(as_json, _document(file, imported), _told(file, imported), "identify", imported.sessions[0].folder)
 
 
 def _two(option: str, given: str | None) -> tuple[str, str] | None:
@@ -140,22 +137,19 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
     }
 
 
-def _say(file: Path, imported: "Imported") -> None:
+def _told(file: Path, imported: "Imported") -> "Told":
     from daq.session_reading import RECIPE
+    from station.text.content import Told, facts
 
-    console = screen()
+    rows = []
     for recording in imported.recordings:
         samples = recording.samples.shape[1]
-        run = f", run {recording.run}" if recording.run else ""
-        console.print(
-            f"{file.name}{run}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
-        )
-    names = ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)
-    console.print(f"  channels: {names}", markup=False)
-    for note in imported.notes:
-        console.print(f"  - {note}", markup=False)
-    for session in imported.sessions:
-        say(f"session: {session.folder}")
-    recipe = imported.sessions[0].folder / RECIPE
-    say(f"recipe: {recipe} (a copy, corrected, is read by --recipe)")
-    say(next_line("identify", imported.sessions[0].folder))
+        size = f"{samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
+        rows.append(("record", f"run {recording.run}: {size}" if recording.run else size))
+    rows.append(("channels", ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)))
+    rows += [("", note) for note in imported.notes]
+    rows += [("session", str(session.folder)) for session in imported.sessions]
+    rows.append(
+        ("recipe", f"{imported.sessions[0].folder / RECIPE} (a copy, corrected, is read by --recipe)")
+    )
+    return Told(file.name, "", facts(rows))
