@@ -41,7 +41,7 @@ def command(
             raise UsageProblem(f"{file}: the ending tells no format; say --to {', '.join(FORMATS)}")
     opened = open_session(session, settings.sessions)
     target = file if file is not None else Path(f"{opened.folder.name}{ENDINGS[form][0]}")
-    exported, said = exported_session(opened, settings, aligned=not as_recorded)
+    exported = exported_session(opened, settings, aligned=not as_recorded)
     size = write_exported(exported, form, target, overwrite=overwrite)
     recording = exported.recording
     if as_json:
@@ -59,5 +59,7 @@ def command(
         return
     columns = ", ".join(f"{n} [{c.unit}]" for n, c in zip(exported.names, recording.channels, strict=True))
     progress(f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")
-    progress(said)
+    for name in ("channels", "lag_s", "lag_std_s"):
+        if name in exported.facts:
+            progress(f"{name}: {exported.facts[name]}")
     click.echo(f"written: {target} ({form}, {size / 1000:.0f} kB)")
