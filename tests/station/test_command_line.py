@@ -81,7 +81,7 @@ def test_with_json_an_error_is_one_object_on_stdout(tmp_path, monkeypatch, capsy
 
 
 def test_an_interruption_ends_with_130(monkeypatch, capsys):
-    import station.commands.list_ as module
+    import station.text.layout as module
 
     def interrupted(*_arguments, **_options):
         interrupt = KeyboardInterrupt()
@@ -94,7 +94,7 @@ def test_an_interruption_ends_with_130(monkeypatch, capsys):
 
 
 def test_a_fault_of_the_program_ends_with_1_in_a_sentence(monkeypatch, capsys):
-    import station.commands.list_ as module
+    import station.text.layout as module
 
     def broken(*_arguments, **_options):
         raise ZeroDivisionError("a made-up fault")
