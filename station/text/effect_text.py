@@ -50,21 +50,10 @@ def bounds(parameter: Parameter) -> str:
 
 def as_document(effect: Effect) -> dict[str, Any]:
     """Return an effect as a plain document."""
+    bounded = ("name", "unit", "meaning", "low", "high")
     return {
-        "name": effect.name,
-        "title": effect.title,
-        "kind": effect.kind,
-        "equation": effect.equation,
-        "parameters": [
-            {
-                "name": p.name,
-                "unit": p.unit,
-                "meaning": p.meaning,
-                "low": p.low if np.isfinite(p.low) else None,
-                "high": p.high if np.isfinite(p.high) else None,
-            }
-            for p in effect.parameters
-        ],
+        **{key: getattr(effect, key) for key in ("name", "title", "kind", "equation")},
+        "parameters": [{key: getattr(p, key) for key in bounded} for p in effect.parameters],
         "borrows": list(getattr(effect, "shared_parameters", ())),
         "tell": effect.symptom,
         "proof": effect.confirming_test,
