@@ -133,10 +133,18 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
         effect, line = curve_of_rest(top.baseline, next(name for name in names if name not in top.effects))
         expressions = (*expressions, line)
     elif "=" in wanted:
-        effect = _parsed(wanted, refinement.library)
+        try:
+            effect = parsed_effect(wanted)
+        except ValueError as error:
+            raise UsageProblem(str(error)) from error
+        if any(effect.name == other.name for other in refinement.library):
+            raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
         expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
     else:
-        effect = _found(wanted, refinement.library)
+        try:
+            effect = find_effect(wanted, refinement.library)
+        except KeyError as error:
+            raise no_such_effect(wanted, [effect.name for effect in refinement.library]) from error
     try:
         step = add_effect(top, effect)
     except ValueError as error:
@@ -246,20 +254,3 @@ def _manual(step: Step, done: str) -> str:
     if step.at_floor:
         return f"{done}; the noise floor is reached"
     return f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}"
-
-
-def _found(name: str, library: tuple[Effect, ...]) -> Effect:
-    try:
-        return find_effect(name, library)
-    except KeyError as error:
-        raise no_such_effect(name, [effect.name for effect in library]) from error
-
-
-def _parsed(text: str, library: tuple[Effect, ...]) -> Effect:
-    try:
-        effect = parsed_effect(text)
-    except ValueError as error:
-        raise UsageProblem(str(error)) from error
-    if any(effect.name == other.name for other in library):
-        raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
-    return effect
