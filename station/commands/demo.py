@@ -33,7 +33,6 @@ def command(
     ),
     example: str | None = option("Identify a recording that comes with the station.", metavar="NAME"),
     listed: bool = option("List the recordings that come with the station.", "--list"),
-    pty: bool = option("Connect through a pseudo terminal instead of TCP."),
     folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/demo_TIME)."),
     no_viewer: bool = NO_VIEWER,
     as_json: bool = JSON,
@@ -52,11 +51,11 @@ def command(
 
         finish(open_example(example, settings.sessions), None, settings, as_json)
     elif guided is not None:
-        _guided(settings, guided, speed, pty, folder, as_json)
+        _guided(settings, guided, speed, folder, as_json)
     elif mystery is not None:
         from station.operations.mystery import play
 
-        play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
+        play(settings, mystery if mystery >= 0 else None, speed, folder, no_viewer, as_json)
     else:
         from station.commands.capture import finish
         from station.operations.new_session import new_folder
@@ -64,15 +63,13 @@ def command(
 
         where = folder or new_folder(settings.sessions, "demo")
         wanted = simulated_capture(settings, f"simulated testbed, seed {seed}", speed)
-        session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer)
+        session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
         finish(session, url, settings, as_json, (_made_of(truth),), made_of=made_of)
 
 
-def _guided(
-    settings: Settings, seed: int, speed: float, pty: bool, folder: Path | None, as_json: bool
-) -> None:
+def _guided(settings: Settings, seed: int, speed: float, folder: Path | None, as_json: bool) -> None:
     """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
     from station.commands.guide import show_guided
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
@@ -87,7 +84,6 @@ def _guided(
         lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True), as_json),
         seed,
         speed,
-        pty,
         *RIG,
         module=BOARD,
     )

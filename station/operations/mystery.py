@@ -65,7 +65,6 @@ def play(
     settings: Settings,
     seed: int | None,
     speed: float,
-    pty: bool,
     folder: Path | None,
     no_viewer: bool,
     as_json: bool,
@@ -79,7 +78,7 @@ def play(
         "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
         "know which. It records one release to find out.",
     )
-    solved, url = solve(settings, chosen, speed, pty, folder, no_viewer, console)
+    solved, url = solve(settings, chosen, speed, folder, no_viewer, console)
     _say(console, "4. WHAT WAS HIDDEN: it is read only now")
     answer(as_json, _document(solved), revealed(solved), "report", solved.session.folder)
     if not no_viewer:
@@ -94,7 +93,6 @@ def solve(
     settings: Settings,
     seed: int,
     speed: float,
-    pty: bool,
     folder: Path | None,
     no_viewer: bool,
     console: Console,
@@ -102,7 +100,7 @@ def solve(
     """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer, BOARD)
+    session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
     sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
@@ -128,7 +126,7 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
-    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, False, module=BOARD)
+    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, module=BOARD)
     return dict(json.loads(envelope))
 
 

@@ -89,7 +89,7 @@ class CapturePanel:
         from station.operations.simulated_board import simulated_board
 
         seed = secrets.randbelow(MYSTERIES)
-        board = simulated_board(seed, MYSTERY_SPEED, False, module="mocks.mystery")
+        board = simulated_board(seed, MYSTERY_SPEED, module="mocks.mystery")
         self._record(board, MYSTERY_KG, None, seed)
 
     def _record(

@@ -156,7 +156,7 @@ class GuidePanel:
         seed = randbelow(MYSTERIES)
         info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}")
         wanted = replace(capture_settings(self._settings, info), check_clock=False)
-        board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
+        board = simulated_board(seed, MYSTERY_SPEED, *RIG, module=BOARD)
         self._start(board, wanted, SIMULATED, True)
 
     def _start(

@@ -32,15 +32,15 @@ def test_help_imports_nothing_heavy():
 
 def test_help_names_every_command():
     text = program("--help").stdout
-    assert all(f"  {entry.name}" in text for entry in COMMANDS)
+    assert all(f"  {name}" in text for name in COMMANDS)
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-@pytest.mark.parametrize("entry", COMMANDS, ids=lambda entry: entry.name)
-def test_every_command_explains_itself_within_80_columns(entry, capsys):
-    assert run([entry.name, "--help"]) == 0
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_explains_itself_within_80_columns(name, capsys):
+    assert run([name, "--help"]) == 0
     text = capsys.readouterr().out
-    assert f"station {entry.name}" in text
+    assert f"station {name}" in text
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
