@@ -28,10 +28,9 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
 from station.settings import Settings
-from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
-from station.text.content import Part, Table, Told, Tone, facts
+from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
 from station.text.numbers import typeset, with_unit
 
@@ -105,7 +104,8 @@ def solve(
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)
-    show(console, replace(comparison_text.told(compared), brief=places(compared)))
+    worst = [(f"{one.significance:.0f} sigma", typeset(one.text)) for one in compared.comparison.places[:1]]
+    show(console, replace(comparison_text.told(compared), brief=facts(worst)))
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
@@ -151,12 +151,6 @@ def revealed(solved: Solved) -> Told:
         verdict = solved.diagnosis.verdict.replace("_", " ")
         said = f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there."
     return Told(said, tone, (*facts([("hidden", hidden_words(solved.truth))]), _side_by_side(solved)))
-
-
-def places(compared: Compared) -> tuple[Part, ...]:
-    """Tell where a model fails most."""
-    worst = compared.comparison.places[:1]
-    return facts((f"{place.significance:.0f} sigma", typeset(place.text)) for place in worst)
 
 
 def _side_by_side(solved: Solved) -> Table:

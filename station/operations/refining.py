@@ -106,12 +106,8 @@ def step_again(refinement: Refinement, step: KeptStep) -> Step:
     if found is None:
         known = known_model(step.model, "the ladder", refinement.library)
         found = first_step((refinement.prepared,), known.model, known.values | step.nuisances)
-        _remember(refinement, step, found)
+        refinement.fitted[to_text(step.model)] = found
     return found
-
-
-def _remember(refinement: Refinement, step: KeptStep, found: Step) -> None:
-    refinement.fitted[to_text(step.model)] = found
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
@@ -150,7 +146,7 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
     kept = kept_step(step, expressions)
-    _remember(refinement, kept, step)
+    refinement.fitted[to_text(kept.model)] = step
     return kept, _added(step, effect.name, top)
 
 
