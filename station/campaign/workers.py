@@ -31,6 +31,7 @@ def performed(
     """
     if not workers:
         yield from ((work, act(work)) for work in works)
+        return
     waiting = iter(works)
     while suspects := (yield from _until_a_death(waiting, workers, act)):
         for work in suspects:

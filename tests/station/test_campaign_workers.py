@@ -21,6 +21,12 @@ def names(count):
     return [f"session {i}" for i in range(count)]
 
 
+def test_without_workers_this_process_does_the_work():
+    works = [work_called(name) for name in names(2)]
+    found = list(performed(iter(works), 0, slowly))
+    assert [(work, answer.session) for work, answer in found] == list(zip(works, names(2), strict=True))
+
+
 @pytest.mark.slow
 def test_a_process_that_is_killed_loses_nothing(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
