@@ -13,11 +13,11 @@ from station.commands.options import (
     JSON,
     NO_VIEWER,
     POSITIVE,
+    RELEASE,
     UNITS,
     declared,
     new_session_option,
     option,
-    release_options,
 )
 from station.output import progress
 from station.settings import Settings
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from station.text.content import Part
 
 
-@declared("capture")
-@release_options
+@declared("capture", RELEASE)
 @click.option(
     "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
 )

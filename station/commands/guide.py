@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import JSON, declared, new_session_option, option, release_options
+from station.commands.options import JSON, RELEASE, declared, new_session_option, option
 from station.output import print_json, progress, screen
 from station.settings import Settings
 
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from station.results.guide_document import GuideDocument
 
 
-@declared("guide")
-@release_options
+@declared("guide", RELEASE)
 def command(
     settings: Settings,
     /,

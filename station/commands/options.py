@@ -1,7 +1,7 @@
 """The declaration of a command, and the options that several commands share."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,10 +25,13 @@ KINDS: dict[Any, dict[str, Any]] = {
 Given = TypeVar("Given", str, tuple[str, ...])
 
 
-def declared(name: str) -> Callable[[Callable[..., Any]], click.Command]:
+def declared(
+    name: str, others: Mapping[str, tuple[Any, Any]] | None = None
+) -> Callable[[Callable[..., Any]], click.Command]:
     """Make a command of a function whose parameters have the options and arguments that give them as their defaults.
 
-    A parameter `settings` gets the settings; UsageProblem where the file that was named is none.
+    `others` are options by the name under which they come among the function's keywords, each after its type. A parameter
+    `settings` gets the settings; UsageProblem where the file that was named is none.
     """
 
     def made(function: Callable[..., Any]) -> click.Command:
@@ -40,10 +43,14 @@ def declared(name: str) -> Callable[[Callable[..., Any]], click.Command]:
         def called(file: str | None, /, **given: Any) -> Any:
             return function(load_settings(file), **given) if by_name else function(**given)
 
-        for parameter in reversed(list(parameters.values())):
+        command = click.command(name)(called)  # with the options that decorators gave it before
+        for key, (kind, declare) in (others or {}).items():
+            parameter = inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, annotation=kind)
+            command.params.append(declare(parameter))
+        for parameter in parameters.values():
             if parameter.default is not parameter.empty:
-                parameter.default(parameter)(called)
-        return click.command(name)(called)
+                command.params.append(parameter.default(parameter))
+        return command
 
     return made
 
@@ -54,10 +61,10 @@ def option(help: str, *names: str, **said: Any) -> Any:
     Without `names` it has the parameter's; the parameter's type says what it takes, and makes of a `bool` a flag.
     """
 
-    def declare(parameter: inspect.Parameter) -> Callable[..., Any]:
+    def declare(parameter: inspect.Parameter) -> click.Parameter:
         spelled = names or (f"--{parameter.name.replace('_', '-')}",)
         kind = KINDS.get(parameter.annotation, {})
-        return click.option(*spelled, parameter.name, help=help, **{**kind, **said})
+        return click.Option((*spelled, parameter.name), help=help, **{**kind, **said})
 
     return declare
 
@@ -65,8 +72,8 @@ def option(help: str, *names: str, **said: Any) -> Any:
 def argument(**said: Any) -> Any:
     """Declare an argument in the place of a parameter's default, else as `click.argument`."""
 
-    def declare(parameter: inspect.Parameter) -> Callable[..., Any]:
-        return click.argument(parameter.name, **{**KINDS.get(parameter.annotation, {}), **said})
+    def declare(parameter: inspect.Parameter) -> click.Parameter:
+        return click.Argument((parameter.name,), **{**KINDS.get(parameter.annotation, {}), **said})
 
     return declare
 
@@ -193,13 +200,7 @@ RELEASE = {
     "operator": (str | None, OPERATOR),
     "conditions": (tuple[str, ...], CONDITIONS),
 }
-
-
-def release_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command what can be said of a release, each by its name in RELEASE."""
-    for name, (kind, declare) in reversed(RELEASE.items()):
-        command = declare(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=kind))(command)
-    return command
+"""What can be said of a release, for `declared`."""
 
 
 def new_session_option(text: str) -> Any:
