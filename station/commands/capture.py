@@ -23,22 +23,28 @@ from station.output import progress
 from station.settings import Settings
 
 MOST_TAKES = 3
+KEPT_BEFORE = click.FloatRange(0.5, 60)
 
 if TYPE_CHECKING:
     from daq.session import Session
     from station.text.content import Part
 
 
-@declared("capture", RELEASE)
-@click.option(
-    "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
-)
-@click.option("--level", type=POSITIVE, metavar="M", help="Smallest swing taken for a release.")
-@click.option(
-    "--release",
-    metavar="LENGTH",
-    help="The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
-)
+HOW = RELEASE | {
+    "pre_trigger": (float, option("Seconds kept before the release (1).", type=KEPT_BEFORE, metavar="S")),
+    "level": (float, option("Smallest swing taken for a release.", type=POSITIVE, metavar="M")),
+    "release": (
+        str,
+        option(
+            "The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
+            metavar="LENGTH",
+        ),
+    ),
+}
+"""How a release is recorded, for `declared`."""
+
+
+@declared("capture", HOW)
 def command(
     settings: Settings,
     /,

@@ -30,27 +30,26 @@ if TYPE_CHECKING:
     from station.text.content import Told
 
 
-@declared("import")
-@click.option("--rate", type=POSITIVE, metavar="HZ", help="Sampling rate, where the file has no time.")
-@click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
-@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
-@click.option("--encoding", help="Text encoding.")
-@click.option(
-    "--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Lines to ignore at the top."
-)
-@click.option("--resample", is_flag=True, help="Put uneven time stamps on an even clock.")
-@click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
-@click.option(
-    "--run", metavar="N", help="One run of a file that holds several (default: all, a session each)."
-)
-@click.option(
-    "--from", "start", type=float, metavar="S", help="Leave out what is before this time of the file."
-)
-@click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
-@click.option(
-    "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
-)
-@click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
+COUNT = click.IntRange(min=0)
+
+READING = {
+    "rate": (float, option("Sampling rate, where the file has no time.", type=POSITIVE, metavar="HZ")),
+    "delimiter": (str, option("Between columns: a character, tab or blank.", metavar="SIGN")),
+    "decimal": (str, option("Decimal sign.", type=click.Choice([".", ","]))),
+    "encoding": (str, option("Text encoding.")),
+    "skip_rows": (int, option("Lines to ignore at the top.", type=COUNT, default=0, metavar="N")),
+    "resample": (bool, option("Put uneven time stamps on an even clock.")),
+    "keep_derived": (bool, option("Keep channels that were computed from another one.")),
+    "run": (str, option("One run of a file that holds several (default: all, a session each).", metavar="N")),
+    "start": (float, option("Leave out what is before this time of the file.", "--from", metavar="S")),
+    "stop": (float, option("Leave out what is after this time of the file.", "--to", metavar="S")),
+    "accept": (bool, option("Take the recipe that is proposed where the file does not say all.")),
+    "keep_offset": (bool, option("Leave gravity in an acceleration.")),
+}
+"""How the file is read, for `declared`: the fields of ImportOptions."""
+
+
+@declared("import", READING)
 def command(
     settings: Settings,
     /,

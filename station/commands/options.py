@@ -17,6 +17,7 @@ KINDS: dict[Any, dict[str, Any]] = {
     bool: {"is_flag": True},
     Path: {"type": FILE},
     Path | None: {"type": FILE},
+    float: {"type": float},
     float | None: {"type": float},
     int | None: {"type": int},
 }
@@ -43,7 +44,7 @@ def declared(
         def called(file: str | None, /, **given: Any) -> Any:
             return function(load_settings(file), **given) if by_name else function(**given)
 
-        command = click.command(name)(called)  # with the options that decorators gave it before
+        command = click.command(name)(called)
         for key, (kind, declare) in (others or {}).items():
             parameter = inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, annotation=kind)
             command.params.append(declare(parameter))
@@ -191,13 +192,13 @@ BAUD = option("Baud rate of the lines (115200).", "--baud", type=click.IntRange(
 
 
 RELEASE = {
-    "mass": (float | None, MASS),
-    "mass_std": (float | None, MASS_STD),
-    "duration": (float | None, DURATION),
-    "rate": (float | None, RATE),
-    "patience": (float | None, PATIENCE),
-    "specimen": (str | None, SPECIMEN),
-    "operator": (str | None, OPERATOR),
+    "mass": (float, MASS),
+    "mass_std": (float, MASS_STD),
+    "duration": (float, DURATION),
+    "rate": (float, RATE),
+    "patience": (float, PATIENCE),
+    "specimen": (str, SPECIMEN),
+    "operator": (str, OPERATOR),
     "conditions": (tuple[str, ...], CONDITIONS),
 }
 """What can be said of a release, for `declared`."""
