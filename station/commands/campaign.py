@@ -12,22 +12,24 @@ from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
+    from daq.session import SessionSummary
     from station.campaign.metadata import Known
     from station.campaign.run import Watch
     from station.results.campaign_document import CampaignDocument
 
 
+SESSIONS_OR_FOLDER = argument(
+    nargs=-1,
+    metavar="[FOLDER | SESSION...]",
+    callback=existing("folder, session or data file", or_all=True),
+)
 A_FOLDER = click.Path(path_type=Path, file_okay=False)
 
 
 @declared("campaign")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...] = argument(
-        nargs=-1,
-        metavar="[FOLDER | SESSION...]",
-        callback=existing("folder, session or data file", or_all=True),
-    ),
+    sessions: tuple[str, ...] = SESSIONS_OR_FOLDER,
     diagnose: bool = option("Diagnose each session too: seconds each."),
     output: Path | None = option(
         "Where results are kept (default: FOLDER/campaign).",
@@ -52,13 +54,7 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
-    from station.campaign.sources import (
-        FOLDER,
-        Request,
-        default_folder,
-        find_sources,
-        is_folder_of_files,
-    )
+    from station.campaign.sources import FOLDER, Request, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
     from station.campaign.workers import cores
     from station.exits import Answered
@@ -76,14 +72,7 @@ def command(
     else:
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
-    told = {
-        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
-        for source in sources
-    }
-    unknown = len(set(known) - set().union(*told.values()))
-    if unknown:
-        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
-    known = {name: known[key] for name, keys in told.items() for key in keys if key in known}
+    known = _of_sessions(known, sources, metadata)
     request = Request(settings, gain_percent, diagnose)
     processes = min(workers or cores(), len(sources))
     try:
@@ -97,6 +86,20 @@ def command(
     answer(as_json, document.plain(), campaign_text.told(document), *step)
     if not document.rows:
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
+
+
+def _of_sessions(
+    known: "dict[str, Known]", sources: "tuple[SessionSummary, ...]", metadata: Path | None
+) -> "dict[str, Known]":
+    """Return what the operator's table says, by the names of the sessions; count what is of none of them."""
+    told = {
+        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
+        for source in sources
+    }
+    unknown = len(set(known) - set().union(*told.values()))
+    if unknown:
+        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
+    return {name: known[key] for name, keys in told.items() for key in keys if key in known}
 
 
 def _imported(
