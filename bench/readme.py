@@ -8,13 +8,12 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.workbench_server import ROOT
-from identify.formatting import plain_name
+from identify.formatting import plain_name, three_figures
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
 from station.story.residual import times
 from station.text.ladder_text import steps_table
 from station.text.layout import show_parts
-from station.text.numbers import three_figures
 
 PAGE = ROOT / "README.md"
 BEGIN, END = "<!-- mystery:begin -->\n", "<!-- mystery:end -->\n"
@@ -24,7 +23,7 @@ WIDTH = 80
 
 def mystery(folder: Path) -> Solved:
     """Record and solve the README's mystery in a folder."""
-    return solve(Settings(sessions=folder), SEED, 0.0, False, None, True, Console(quiet=True))[0]
+    return solve(Settings(sessions=folder), SEED, 0.0, None, True, Console(quiet=True))[0]
 
 
 def block(solved: Solved) -> str:

@@ -32,7 +32,7 @@ def workbench() -> Iterator[str]:
             info = SessionInfo(name=f"mystery_{seed}", mass_kg=21.36)
             wanted = CaptureSettings(check_clock=False, info=info)
             with simulated_board(
-                seed, 0.0, False, "--truth", str(folder / "truth.json"), module="mocks.mystery"
+                seed, 0.0, "--truth", str(folder / "truth.json"), module="mocks.mystery"
             ) as port:
                 capture(port, wanted, folder / "sessions" / f"mystery_{seed}")
         process = subprocess.Popen(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 from identify.estimate import Estimate
 
@@ -9,16 +10,13 @@ _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 
-_LARGE, _SMALL = 1e6, 1e-4
-"""Sizes outside of which a power of ten is taken out."""
+DASH = "-"
+SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
 
-_MANY, _FEW = 99999.5, 1e-6
-"""Sizes from which on, and below which, three figures take a power of ten."""
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
-_TENS = 99.5
-"""Standard error from which on the digits before the point are rounded too: two of them are figures."""
-
-_MOST_DECIMALS = 9
+_LARGE, _SMALL = 1e5, 1e-3
+"""Sizes from which on, and below which, a power of ten is taken out."""
 
 EXPLAINS_NOTHING, _ALL = 0.005, 0.9995
 """Shares below which nothing is explained, and from which on more digits would be noise."""
@@ -34,27 +32,40 @@ def decimals_for(std: float) -> int:
     return max(0, 1 - math.floor(math.log10(std)))
 
 
-def with_error(value: float, std: float) -> str:
-    """Return "13115.0 ± 0.4" with the digits that the error allows; "(-1.18 ± 0.10)e6" where they would be many."""
-    if not math.isfinite(value):
+class Estimated(Protocol):
+    """A value with its standard error and its unit; None in a document where either is not known."""
+
+    @property
+    def value(self) -> float | None:
+        """The value."""
+
+    @property
+    def std(self) -> float | None:
+        """Its standard error."""
+
+    @property
+    def unit(self) -> str:
+        """The unit of both."""
+
+
+def with_error(value: float | None, std: float | None) -> str:
+    """Write "13115.0 ± 2.1": the error with two figures, the value with the same decimals.
+
+    A power of ten is taken out where either would need many digits or zeros that mean nothing.
+    """
+    if value is None or not math.isfinite(value):
         return "unknown"
-    if not math.isfinite(std):
-        return f"{value:.5g} ± unknown"
-    if std == 0.0:
-        return f"{value:.5g}"
-    size = max(abs(value), std)
-    if size >= _LARGE or size < _SMALL:
-        exponent = math.floor(math.log10(size))
-        whole, error = value / 10.0**exponent, std / 10.0**exponent
-        decimals = min(decimals_for(error), _MOST_DECIMALS)
-        return f"({whole:.{decimals}f} ± {error:.{decimals}f})e{exponent}"
-    decimals = decimals_for(std)
-    if decimals > _MOST_DECIMALS:
-        return f"{value:.{_MOST_DECIMALS}f} ± {std:.1g}"
-    if std >= _TENS:
-        places = 1 - math.floor(math.log10(std))
-        value, std = round(value, places), round(std, places)
-    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+    if std is None or not math.isfinite(std) or std <= 0.0:
+        return f"{_power_of_ten(f'{value:.4g}')} (error unknown)"
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    last = math.floor(math.log10(std)) - 1
+    if float(f"{std:.1e}") >= 10.0 ** (last + 2):
+        last += 1
+    if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
+        decimals, factor = exponent - last, 10.0**exponent
+        both = f"({value / factor:.{decimals}f} ± {std / factor:.{decimals}f})"
+        return f"{both} × 10{str(exponent).translate(_RAISED)}".replace(" ", SPACE)
+    return f"{value:.{-last}f} ± {std:.{-last}f}".replace(" ", SPACE)
 
 
 def share_words(share: float) -> str:
@@ -66,28 +77,34 @@ def share_words(share: float) -> str:
     return f"{100.0 * share:.1f} %" if share >= 0.99 else f"{100.0 * share:.0f} %"
 
 
-def quantity(estimate: Estimate) -> str:
-    """Return an estimate with its error, where there is one, and its unit."""
-    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
-    if not math.isfinite(estimate.std) or estimate.std == 0.0:
-        return f"{estimate.value:.4g}{unit}"
-    return f"{with_error(estimate.value, estimate.std)}{unit}"
+def quantity(found: Estimated) -> str:
+    """Write "13115.0 ± 2.1 N/m"; without an error where none is known."""
+    if found.value is not None and not found.std:
+        number = _power_of_ten(f"{found.value:.4g}")
+    else:
+        number = with_error(found.value, found.std)
+    return f"{number}{_after(found.unit)}"
 
 
-def quantities(found: Mapping[str, Estimate]) -> list[str]:
-    """Return each quantity with its name before it; of one that every release has ("fc[0]", "fc[1]", ...) the range."""
-    groups: dict[str, list[Estimate]] = {}
+def quantities(found: Mapping[str, Estimated]) -> list[str]:
+    """Write "fc = 80.0 ± 1.2 Hz" for each quantity; the range where every release has its own ("fc[0]", "fc[1]")."""
+    groups: dict[str, list[Estimated]] = {}
     for name, value in found.items():
         groups.setdefault(name.partition("[")[0], []).append(value)
     texts = []
     for name, values in groups.items():
         text = quantity(values[0])
         if len(values) > 1:
-            low, high = min(v.value for v in values), max(v.value for v in values)
-            unit = "" if values[0].unit in ("", "1") else f" {values[0].unit}"
-            text = f"{low:.3g} to {high:.3g}{unit} in {len(values)} releases"
+            sizes = [math.nan if one.value is None else one.value for one in values]
+            unit = _after(values[0].unit)
+            text = f"{min(sizes):.3g} to {max(sizes):.3g}{unit} in {len(values)} releases"
         texts.append(f"{name} = {text}")
     return texts
+
+
+def _after(unit: str) -> str:
+    """Write a unit as it stands after its number; nothing for a pure number."""
+    return "" if unit in ("", "1") else f" {unit}".replace(" ", SPACE)
 
 
 def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...]) -> list[tuple[str, str]]:
@@ -106,14 +123,19 @@ def damping_name(order: int) -> str:
     return names[order] if order < len(names) else f"damping mu_{order}"
 
 
-def three_figures(value: float) -> str:
-    """Return an error or a ratio with three figures, as "1.24e8" where it would be many digits; "-" where there is none."""
-    if not math.isfinite(value):
-        return "-"
-    if abs(value) >= _MANY or 0.0 < abs(value) < _FEW:
-        mantissa, _, exponent = f"{value:.2e}".partition("e")
-        return f"{mantissa}e{int(exponent)}"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
+def three_figures(value: float | None) -> str:
+    """Write an error or a ratio with three figures, as "1.24 × 10⁸" where it would be many digits; "-" without any."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    if value != 0 and not _SMALL <= abs(value) < _LARGE:
+        return _power_of_ten(f"{value:.2e}")
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}".rstrip(".")
+
+
+def _power_of_ten(text: str) -> str:
+    """Write "1.20e-04" as 1.20 × 10⁻⁴."""
+    mantissa, e, power = text.partition("e")
+    return f"{mantissa} × 10{str(int(power)).translate(_RAISED)}" if e else mantissa
 
 
 def scaled(value: float, unit: str) -> str:

@@ -10,47 +10,42 @@ import re
 import sys
 import traceback
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
 
 from station import exits
 
+COMMANDS = {
+    "demo": "Run the whole job on a simulated board.",
+    "doctor": "Check computer, port and board before a capture.",
+    "ports": "List the ports on which a board may be.",
+    "capture": "Record one release from a board, then identify it.",
+    "guide": "Say what to release next, until it is sure what is missing.",
+    "profile": "Describe a board that prints numbers line by line.",
+    "replay": "Send a session's raw bytes through the decoder again.",
+    "import": "Turn a file of another board into sessions.",
+    "identify": "Find stiffness, friction and damping in a session.",
+    "diagnose": "Find out which effect a model lacks.",
+    "refine": "Add an effect and watch the error fall.",
+    "validate": "Say how well a model predicts other sessions.",
+    "compare": "Say by how much a model fails on a session, and where.",
+    "effects": "List the effects a model may lack, or describe one.",
+    "workbench": "Open the page on which all of this is done by mouse.",
+    "view": "Open a session in the Rerun viewer.",
+    "report": "Write all that is known of a session into one page.",
+    "table": "Print the paper's tables for any number of sessions.",
+    "campaign": "Identify hundreds of sessions; trends, control limits.",
+    "export": "Write a session's channels for another program.",
+    "list": "List the sessions in a folder.",
+    "info": "Show what a session holds.",
+    "verify": "Check a session's files against its manifest.",
+    "recover": "Seal a session that was cut off in mid-capture.",
+}
+"""Each command, in the order in which a newcomer needs them, with a line of help."""
 
-class Entry(NamedTuple):
-    """One command: its name, the module that holds its function `command`, one line of help."""
-
-    name: str
-    module: str
-    help: str
-
-
-COMMANDS = (
-    Entry("demo", "demo", "Run the whole job on a simulated board."),
-    Entry("doctor", "doctor", "Check computer, port and board before a capture."),
-    Entry("ports", "ports", "List the ports on which a board may be."),
-    Entry("capture", "capture", "Record one release from a board, then identify it."),
-    Entry("guide", "guide", "Say what to release next, until it is sure what is missing."),
-    Entry("profile", "profile", "Describe a board that prints numbers line by line."),
-    Entry("replay", "replay", "Send a session's raw bytes through the decoder again."),
-    Entry("import", "import_", "Turn a file of another board into sessions."),
-    Entry("identify", "identify", "Find stiffness, friction and damping in a session."),
-    Entry("diagnose", "diagnose", "Find out which effect a model lacks."),
-    Entry("refine", "refine", "Add an effect and watch the error fall."),
-    Entry("validate", "validate", "Say how well a model predicts other sessions."),
-    Entry("compare", "compare", "Say by how much a model fails on a session, and where."),
-    Entry("effects", "effects", "List the effects a model may lack, or describe one."),
-    Entry("workbench", "workbench", "Open the page on which all of this is done by mouse."),
-    Entry("view", "view", "Open a session in the Rerun viewer."),
-    Entry("report", "report", "Write all that is known of a session into one page."),
-    Entry("table", "table", "Print the paper's tables for any number of sessions."),
-    Entry("campaign", "campaign", "Identify hundreds of sessions; trends, control limits."),
-    Entry("export", "export", "Write a session's channels for another program."),
-    Entry("list", "list_", "List the sessions in a folder."),
-    Entry("info", "info", "Show what a session holds."),
-    Entry("verify", "verify", "Check a session's files against its manifest."),
-    Entry("recover", "recover", "Seal a session that was cut off in mid-capture."),
-)
+MODULES = {"import": "import_", "list": "list_"}
+"""The modules of `station.commands` that are not called as their commands, whose names Python has taken."""
 
 
 class LazyGroup(click.Group):
@@ -58,31 +53,30 @@ class LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order in which a newcomer needs them."""
-        return [entry.name for entry in COMMANDS]
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the module of a command and return the command, or None when there is none of that name."""
-        for entry in COMMANDS:
-            if entry.name == cmd_name:
-                module = importlib.import_module(f"station.commands.{entry.module}")
-                command: click.Command = module.command
-                return command
-        return None
+        if cmd_name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"station.commands.{MODULES.get(cmd_name, cmd_name)}")
+        command: click.Command = module.command
+        return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the command of a line; one that is mistyped gets the nearest names."""
-        if args and not args[0].startswith("-") and args[0] not in self.list_commands(ctx):
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
             from station.suggestions import did_you_mean
 
-            ctx.fail(f"there is no command '{args[0]}'{did_you_mean(args[0], self.list_commands(ctx))}")
+            ctx.fail(f"there is no command '{args[0]}'{did_you_mean(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands without importing any of them."""
         with formatter.section("Commands"):
-            formatter.write_dl([(entry.name, entry.help) for entry in COMMANDS])
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80})
@@ -173,7 +167,7 @@ def _usage_sentence(error: click.ClickException, arguments: list[str]) -> str:
     sentence = error.format_message().rstrip(".")
     sentence = in_plain_words(f"{sentence[:1].lower()}{sentence[1:]}")
     context = getattr(error, "ctx", None)
-    named = next((word for word in arguments if any(word == entry.name for entry in COMMANDS)), "")
+    named = next((word for word in arguments if word in COMMANDS), "")
     where = context.command_path if context is not None else f"station {named}".strip()
     return f"{sentence}; see `{where} --help`"
 

@@ -1,7 +1,6 @@
 """What a command prints: one JSON object on stdout when asked, progress and errors on stderr."""
 
 import sys
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,11 +11,6 @@ if TYPE_CHECKING:
 WIDTH = 80
 #: Control characters that JSON leaves as they are, and that a terminal would obey.
 ESCAPED = {code: f"\\u{code:04x}" for code in range(0x7F, 0xA0)}
-
-
-def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the option `--json`, passed on as `as_json`."""
-    return click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")(command)
 
 
 def print_json(document: dict[str, Any]) -> None:

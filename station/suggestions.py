@@ -10,36 +10,24 @@ from station.exits import UsageProblem
 MEASURED_CURVE = "measured_curve"
 """What is added to a model where no effect of the library fits: the measured curve of the residual."""
 
-_CLOSE = 0.6
+_CLOSE = 0.5
 _MOST = 3
 _SHORTEST = 4
-_OF_A_PART = 0.9
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'stribeck_friction'?" for a mistyped word, with the nearest names first; "" without any."""
-    lower = word.lower().strip()
-    scored = sorted(
-        ((_likeness(lower, name.lower()), name) for name in dict.fromkeys(known)), key=lambda x: -x[0]
-    )
-    found = [name for likeness, name in scored if likeness >= _CLOSE][:_MOST]
-    if not found:
-        return ""
-    quoted = [f"'{name}'" for name in found]
-    return f"; did you mean {' or '.join(quoted)}?"
+    names = {name.lower(): name for name in known}
+    typed = word.lower().strip()
+    whole = [name for name in names if typed in name and len(typed) >= _SHORTEST]
+    found = whole[:_MOST] or difflib.get_close_matches(typed, names, _MOST, _CLOSE)
+    return f"; did you mean {' or '.join(repr(names[name]) for name in found)}?" if found else ""
 
 
 def no_such_effect(name: str, known: Iterable[str]) -> UsageProblem:
     """Return the refusal of an effect that is none, with what may have been meant."""
     more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
     return UsageProblem(f"no effect is called '{name}'{did_you_mean(name, known)}; {more}")
-
-
-def _likeness(word: str, name: str) -> float:
-    """Say how like a name a word is, 0 to 1: the whole of it, or one of its parts."""
-    parts = [part for part in re.split(r"[_\W]+", name) if len(part) >= _SHORTEST]
-    whole = difflib.SequenceMatcher(None, word, name).ratio()
-    return max([whole, *(_OF_A_PART * difflib.SequenceMatcher(None, word, part).ratio() for part in parts)])
 
 
 def effect_names() -> tuple[str, ...]:

@@ -33,44 +33,38 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
         raise UsageProblem(f"the metadata {file} cannot be read: {error.strerror or error}") from error
     if len(content) > LARGEST:
         raise UsageProblem(f"the metadata {file} are too large for a table of sessions")
-    rows = _rows(content.decode("utf-8-sig", errors="replace"))
-    header = [name.strip() for name in rows[0]] if rows else []
-    lowered = [name.lower() for name in header]
-    name_column = next((lowered.index(name) for name in (SESSION, FILE) if name in lowered), None)
+    text = content.decode("utf-8-sig", errors="replace")
+    first = text.partition("\n")[0]
+    table = csv.DictReader(io.StringIO(text), delimiter=max(";\t,", key=first.count), skipinitialspace=True)
+    try:
+        rows = list(table)
+    except csv.Error as error:
+        raise UsageProblem(f"the metadata {file} are no table: {error}") from error
+    lowered = {name.strip().lower(): name for name in table.fieldnames or ()}
+    name_column = lowered.get(SESSION) or lowered.get(FILE)
     if name_column is None:
         raise UsageProblem(
             f"the metadata {file}: no column is called session or file; the first line names the columns"
         )
     found: dict[str, Known] = {}
     texts: dict[str, None] = {}
-    for number, row in enumerate(rows[1:], start=2):
-        cells = dict(zip(header, (cell.strip() for cell in row), strict=False))
-        name = cells.get(header[name_column], "")
+    for line, row in enumerate(rows, start=2):
         numbers: dict[str, float] = {}
         date = None
-        for column, cell in cells.items():
+        for key, value in row.items():
+            column, cell = (key or "").strip(), (value or "").strip() if isinstance(value, str) else ""
             if column.lower() in (SESSION, FILE) or not cell or not column:
                 continue
             if column.lower() == DATE:
-                date = _date(cell, file, number)
-            elif (value := _number(cell)) is not None:
-                numbers[column] = value
+                date = _date(cell, file, line)
+            elif (number := _number(cell)) is not None:
+                numbers[column] = number
             else:
                 texts[column] = None
-        if name:
+        if name := (row[name_column] or "").strip():
             found[name] = Known(date, numbers)
     notes = tuple(f"{file.name}: {column} holds text: no trend is computed for it" for column in texts)
     return found, notes
-
-
-def _rows(text: str) -> list[list[str]]:
-    first = text.partition("\n")[0]
-    separator = max(";\t,", key=first.count)
-    lines = csv.reader(io.StringIO(text), delimiter=separator)
-    try:
-        return [row for row in lines if any(cell.strip() for cell in row)]
-    except csv.Error as error:
-        raise UsageProblem(f"the metadata are no table: {error}") from error
 
 
 def _number(cell: str) -> float | None:

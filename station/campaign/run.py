@@ -1,47 +1,33 @@
 """One run of a campaign: missing or changed results are computed and kept at once, the others are read."""
 
+import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
-from typing import Protocol
+from pathlib import Path
 
 from daq.errors import StationError
-from station.campaign.crew import Crew
-from station.campaign.kept import Kept
-from station.campaign.sources import Source
+from daq.session import SessionSummary
+from daq.storage import read_regular, refused, write_whole
+from station.campaign.sources import Request, work_on
 from station.campaign.work import Work
+from station.campaign.workers import performed
 from station.results.campaign_document import FailedSession, SessionResult
-from station.settings import Settings
+from station.results.documents import LARGEST
 
+SESSIONS = "sessions"
+LONGEST_NAME = 80
 
-class Observer(Protocol):
-    """An observer of the progress of a run."""
-
-    def kept(self, name: str) -> None:
-        """A session had been done before."""
-
-    def done(self, name: str) -> None:
-        """A session has been done."""
-
-    def failed(self, name: str, reason: str) -> None:
-        """A session has no result."""
-
-
-@dataclass(frozen=True)
-class Request:
-    """The analysis that every session gets."""
-
-    settings: Settings
-    gain_percent: float | None = None
-    diagnose: bool = False
+Watch = Callable[[str, str], None]
+"""Called for each session with its name and the reason why it has no result, "" where it has one."""
 
 
 @dataclass
 class Run:
     """The result of a run: each source with its result, those without one, and the time that it took."""
 
-    results: list[tuple[Source, SessionResult]] = field(default_factory=list)
+    results: list[tuple[SessionSummary, SessionResult]] = field(default_factory=list)
     failed: list[FailedSession] = field(default_factory=list)
     done: int = 0
     kept: int = 0
@@ -50,63 +36,74 @@ class Run:
     work_s: float = 0.0
 
 
-def run_campaign(
-    sources: tuple[Source, ...], request: Request, crew: Crew, kept: Kept, observer: Observer
-) -> Run:
-    """Bring the results of all sources up to date; each is kept the moment it is there.
+def unwatched(name: str, reason: str) -> None:
+    """Say nothing of a session: the table has it."""
 
-    StorageError when the folder of the campaign cannot be written; Problem when the crew is gone.
+
+def run_campaign(
+    sources: tuple[SessionSummary, ...],
+    request: Request,
+    folder: Path,
+    workers: int,
+    watch: Watch = unwatched,
+) -> Run:
+    """Bring the results of all sources up to date; each is kept in `folder` the moment it is there.
+
+    `workers` is how many processes work, 0 for this one. StorageError when the folder cannot be written.
     """
-    run, under_way = Run(), {}
+    run, under_way = Run(workers=max(workers, 1)), dict[Work, SessionSummary]()
     began = time.monotonic()
 
-    def fail(source: Source, reason: str) -> None:
-        run.failed.append(FailedSession(session=source.name, reason=reason))
-        observer.failed(source.name, reason)
-
-    def take(source: Source, result: SessionResult) -> None:
-        if result.reason:
-            fail(source, result.reason)
+    def take(source: SessionSummary, result: SessionResult | str) -> None:
+        reason = result if isinstance(result, str) else result.reason
+        if isinstance(result, str) or reason:
+            run.failed.append(FailedSession(session=source.folder.name, reason=reason))
         else:
             run.results.append((source, result))
+        watch(source.folder.name, reason)
 
     def missing() -> Iterator[Work]:
         for source in sources:
             try:
                 if source.info is None:
                     raise StationError(source.problem or "its metadata cannot be read")
-                work = source.work(request.settings, request.gain_percent, request.diagnose)
+                work = work_on(source.folder, request)
             except StationError as error:
-                fail(source, " ".join(str(error).split()))
+                take(source, " ".join(str(error).split()))
                 continue
-            known = kept.read(source.name, work.key)
+            known = _kept(_file(folder, work), work.key)
             if known is None:
-                under_way[id(work)] = source
+                under_way[work] = source
                 yield work
-                continue
-            run.kept += 1
-            if not known.reason:
-                observer.kept(source.name)
-            take(source, known)
+            else:
+                run.kept += 1
+                take(source, known)
 
-    kept.make()
-    with closing(crew.performed(missing())) as answers:
-        for answer in answers:
-            source = under_way.pop(id(answer.work))
-            run.workers = max(run.workers, crew.workers)
-            if answer.problem:
-                fail(source, answer.problem)
-                continue
-            try:
-                result = SessionResult.model_validate_json(answer.result)
-            except ValueError:
-                fail(source, "its worker runs another version of this program, whose answer cannot be read")
-                continue
-            kept.write(source.name, answer.work.key, answer.result)
-            run.done += 1
-            run.work_s += result.seconds
-            take(source, result)
-            if not result.reason:
-                observer.done(source.name)
+    try:
+        (folder / SESSIONS).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise refused(folder, error) from error
+    with closing(performed(missing(), workers)) as answers:
+        for work, result in answers:
+            if not isinstance(result, str):
+                write_whole(_file(folder, work), result.model_dump_json(indent=1).encode() + b"\n")
+                run.done += 1
+                run.work_s += result.seconds
+            take(under_way.pop(work), result)
     run.wall_s = time.monotonic() - began
     return run
+
+
+def _file(folder: Path, work: Work) -> Path:
+    """Return the file in which the result of a session is kept, by the key of its content and the settings."""
+    plain = re.sub(r"[^\w.-]+", "_", work.folder.name)[:LONGEST_NAME]
+    return folder / SESSIONS / f"{plain}-{work.key[:16]}.json"
+
+
+def _kept(file: Path, key: str) -> SessionResult | None:
+    """Read the result of a session; None where there is none that can be read: it is made again."""
+    try:
+        found = SessionResult.model_validate_json(read_regular(file, LARGEST))
+    except (StationError, ValueError):
+        return None
+    return found if found.key == key else None

@@ -1,14 +1,16 @@
 """The sessions of a campaign: those in a folder, or those that were named."""
 
-from dataclasses import dataclass
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from daq.errors import StationError
-from daq.session import Session, list_sessions
-from daq.session_info import SessionInfo, State
+from daq.session import Session, SessionSummary, list_sessions
+from daq.session_info import State
 from daq.session_reading import INFO, RAW
 from daq.storage import read_regular
-from station.campaign.keys import key_of
 from station.campaign.work import Work
 from station.exits import UsageProblem
 from station.results.sessions import open_session
@@ -16,42 +18,56 @@ from station.settings import Settings
 from station.story.preparation import options_for
 
 LARGEST = 1 << 30
+DISTRIBUTION = "free-decay-station"
 FOLDER = "campaign"
 
 
 @dataclass(frozen=True)
-class Source:
-    """One session: its folder, and its metadata or the problem because of which there are none."""
+class Request:
+    """The analysis that every session gets."""
 
-    folder: Path
-    info: SessionInfo | None
-    problem: str = ""
-
-    @property
-    def name(self) -> str:
-        """The name of the session."""
-        return self.folder.name
-
-    def work(self, settings: Settings, gain_percent: float | None, diagnose: bool) -> Work:
-        """Read the session's files; StationError when they cannot be read, or are still written."""
-        session = Session.open(self.folder)
-        if session.info.state is State.RECORDING:
-            raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
-        raw = read_regular(self.folder / RAW, LARGEST)
-        options = options_for(session, settings)
-        key = key_of(raw, session.info, options, gain_percent=gain_percent, diagnose=diagnose)
-        # The metadata go as they were checked here.
-        files = {RAW: raw, INFO: session.info.model_dump_json().encode()}
-        return Work(key, self.name, files, options, gain_percent, diagnose)
+    settings: Settings
+    gain_percent: float | None = None
+    diagnose: bool = False
 
 
-def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[Source, ...]:
+def work_on(folder: Path, request: Request) -> Work:
+    """Make the work on a session; StationError when its files cannot be read, or are still written.
+
+    The key is a checksum of all that the result depends on: readings, calibrations, options, the request, the
+    program. What else the metadata say is read afresh for every table.
+    """
+    session = Session.open(folder)
+    if session.info.state is State.RECORDING:
+        raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
+    options = options_for(session, request.settings)
+    gain, diagnose = request.gain_percent, request.diagnose
+    dependent = {
+        "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
+        "rate_std_hz": session.info.rate_std_hz,
+        "options": asdict(options),
+        "settings": {"gain_percent": gain, "diagnose": diagnose},
+        "program": _program(),
+    }
+    checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
+    checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
+    return Work(folder, checksum.hexdigest(), options, gain, diagnose)
+
+
+def _program() -> str:
+    try:
+        return version(DISTRIBUTION)
+    except PackageNotFoundError:  # it runs without being installed
+        return ""
+
+
+def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[SessionSummary, ...]:
     """Return the sessions that are meant, each once, oldest first in a folder.
 
     An argument is a folder of sessions, a session, or a data file, which is imported; none means the folder of the
     settings. Raises UsageProblem when there is no session at all.
     """
-    found: dict[Path, Source] = {}
+    found: dict[Path, SessionSummary] = {}
     for argument in arguments or (str(settings.sessions),):
         for source in _sources(argument, settings):
             found.setdefault(source.folder.resolve(), source)
@@ -81,15 +97,15 @@ def default_folder(arguments: tuple[str, ...], settings: Settings) -> Path:
     return settings.sessions / FOLDER
 
 
-def _sources(argument: str, settings: Settings) -> list[Source]:
+def _sources(argument: str, settings: Settings) -> tuple[SessionSummary, ...]:
     if is_folder_of_sessions(argument):
-        return [Source(s.folder, s.info, s.problem or "") for s in list_sessions(argument)]
+        return list_sessions(argument)
     if not Path(argument).exists() and argument == str(settings.sessions):
-        return []
+        return ()
     try:
         session = open_session(argument, settings.sessions)
     except StationError as error:
         if Path(argument).is_dir():
-            return [Source(Path(argument), None, str(error))]
+            return (SessionSummary(Path(argument), None, str(error)),)
         raise
-    return [Source(session.folder, session.info)]
+    return (SessionSummary(session.folder, session.info),)

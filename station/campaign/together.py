@@ -10,14 +10,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.session import SessionSummary
+from daq.storage import write_whole
 from station.campaign.control_limits import control_limits
-from station.campaign.crew import Crew
-from station.campaign.kept import Kept
 from station.campaign.metadata import Known
-from station.campaign.run import Observer, Request, Run, run_campaign
-from station.campaign.sources import Source
+from station.campaign.run import Run, Watch, run_campaign, unwatched
+from station.campaign.sources import Request
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
+    NAME,
     CampaignDocument,
     CampaignRow,
     ChartDocument,
@@ -25,6 +26,7 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
+from station.text import campaign_table as table
 from station.text.numbers import or_nan
 
 Array = NDArray[np.float64]
@@ -45,17 +47,20 @@ class Series:
 
 
 def campaign(
-    sources: tuple[Source, ...],
+    sources: tuple[SessionSummary, ...],
     request: Request,
-    crew: Crew,
-    kept: Kept,
-    observer: Observer,
+    folder: Path,
+    workers: int,
+    watch: Watch = unwatched,
     metadata: dict[str, Known] | None = None,
 ) -> CampaignDocument:
-    """Bring the results of all sources up to date, and keep what they say together; errors as `run_campaign`."""
-    run = run_campaign(sources, request, crew, kept, observer)
-    document = campaign_document(kept.folder, request.diagnose, run, metadata)
-    kept.write_table(document)
+    """Bring the results of all sources up to date, and keep what they say together; arguments as `run_campaign`."""
+    run = run_campaign(sources, request, folder, workers, watch)
+    document = campaign_document(folder, request.diagnose, run, metadata)
+    files = {NAME: document.model_dump_json(indent=1) + "\n"}
+    files |= {table.SESSIONS: table.sessions_csv(document), table.TRENDS: table.trends_csv(document)}
+    for name, content in files.items():
+        write_whole(folder / name, content.encode())
     return document
 
 
@@ -64,7 +69,10 @@ def campaign_document(
 ) -> CampaignDocument:
     """Put the findings of a run together; `metadata` are the operator's by the sessions' names and come before theirs."""
     rows = sorted(
-        (_row(source, result, (metadata or {}).get(source.name, Known())) for source, result in run.results),
+        (
+            _row(source, result, (metadata or {}).get(source.folder.name, Known()))
+            for source, result in run.results
+        ),
         key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
     )
     parameters = parameter_series(rows)
@@ -84,7 +92,7 @@ def campaign_document(
     )
 
 
-def _row(source: Source, result: SessionResult, known: Known) -> CampaignRow:
+def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
     info = source.info
     conditions: dict[str, float] = {}
     if info is not None:

@@ -1,13 +1,11 @@
-"""The work on one session by a worker; everything that it needs is sent to it."""
+"""The analysis of one session of a campaign."""
 
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from daq.errors import StationError
-from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
@@ -24,49 +22,34 @@ from station.story.preparation import Options, locate, prepare_recording
 
 @dataclass(frozen=True)
 class Work:
-    """One session on its way to a worker, which may be on a computer without the session's folder.
+    """One session for a worker: its folder, the key of its result, and how it is analysed.
 
-    `files` are the contents of the files that a recording is read from, by name; `gain_percent` is the relative
-    uncertainty of the gain between the channels where it is not the certificates'.
+    `gain_percent` is the relative uncertainty of the gain between the channels where it is not the certificates'.
     """
 
+    folder: Path
     key: str
-    name: str
-    files: dict[str, bytes]
     options: Options
     gain_percent: float | None = None
     diagnose: bool = False
 
 
-@dataclass(frozen=True)
-class Answer:
-    """The answer of a worker: a session's result as JSON, or why there is none.
+def perform(work: Work) -> SessionResult:
+    """Identify one session, fit the usual model to it and, where it is asked for, diagnose it.
 
-    A `problem` of the session itself, such as too few cycles, is no problem here but part of the result: it would come
-    again. This is one of the program or of the computer.
-    """
-
-    work: Work
-    result: str = ""
-    problem: str = ""
-
-
-def perform(work: Work) -> str:
-    """Identify one session, fit the usual model to it and, where it is asked for, diagnose it; return the JSON.
-
-    Raises nothing that is the session's fault: the result says why it failed.
+    Raises nothing that is the session's fault, such as too few cycles: the result says why it failed.
     """
     began = time.perf_counter()
     try:
         content = _contents(work)
     except (NotIdentifiable, StationError) as refusal:
         content = {"reason": " ".join(str(refusal).split())}
-    known = {"format": 1, "session": work.name, "key": work.key, "seconds": time.perf_counter() - began}
-    return SessionResult.model_validate(known | content).model_dump_json(indent=1) + "\n"
+    seconds = time.perf_counter() - began
+    return SessionResult(format=1, session=work.folder.name, key=work.key, seconds=seconds, **content)
 
 
 def _contents(work: Work) -> dict[str, Any]:
-    recording = _recording(work)
+    recording = Session.open(work.folder).recording()
     found = locate(recording, work.options)
     result = identify(recording, work.options, found)
     size = amplitude(result)
@@ -90,15 +73,6 @@ def _contents(work: Work) -> dict[str, Any]:
     if not content["parameters"]:
         content["reason"] = "; ".join(dict.fromkeys(content["refusals"].values())) or "nothing was identified"
     return content
-
-
-def _recording(work: Work) -> Recording:
-    with TemporaryDirectory() as place:
-        folder = Path(place) / "session"
-        folder.mkdir()
-        for name, content in work.files.items():
-            (folder / name).write_bytes(content)
-        return Session.open(folder).recording()
 
 
 def identified_parameters(result: Identification) -> dict[str, Any]:

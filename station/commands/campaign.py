@@ -1,70 +1,51 @@
 """`station campaign`: hundreds of sessions, in one table with trends and control limits."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, VARIES, existing, pass_settings
-from station.output import json_option, print_json, progress
+from station.commands.options import GAIN, JSON, VARIES, argument, declared, existing, option
+from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from station.campaign.crew import Crew
+    from daq.session import SessionSummary
     from station.campaign.metadata import Known
+    from station.campaign.run import Watch
     from station.results.campaign_document import CampaignDocument
 
 
-@click.command("campaign")
-@click.argument(
-    "sessions",
+SESSIONS_OR_FOLDER = argument(
     nargs=-1,
     metavar="[FOLDER | SESSION...]",
     callback=existing("folder, session or data file", or_all=True),
 )
-@click.option("--diagnose", is_flag=True, help="Diagnose each session too: seconds each.")
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="FOLDER",
-    help="Where results are kept (default: FOLDER/campaign).",
-)
-@click.option(
-    "--metadata",
-    type=click.Path(path_type=Path),
-    metavar="CSV",
-    help="Numbers known of the sessions or files, as temperatures.",
-)
-@click.option(
-    "--recipe",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Import the files of FOLDER by this recipe.",
-)
-@click.option("--ask", is_flag=True, help="Ask what the columns of the first file are, for all.")
-@click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
-@VARIES
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes here (default: one a core)."
-)
-@click.option("--scheduler", metavar="ADDRESS", help="Use this Dask cluster instead, as tcp://host:8786.")
-@GAIN
-@json_option
-@pass_settings
+A_FOLDER = click.Path(path_type=Path, file_okay=False)
+
+
+@declared("campaign")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...],
-    diagnose: bool,
-    output: Path | None,
-    metadata: Path | None,
-    recipe: Path | None,
-    ask: bool,
-    names: str | None,
-    varies: tuple[str, ...],
-    workers: int | None,
-    scheduler: str | None,
-    gain_percent: float | None,
-    as_json: bool,
+    sessions: tuple[str, ...] = SESSIONS_OR_FOLDER,
+    diagnose: bool = option("Diagnose each session too: seconds each."),
+    output: Path | None = option(
+        "Where results are kept (default: FOLDER/campaign).",
+        type=A_FOLDER,
+        metavar="FOLDER",
+    ),
+    metadata: Path | None = option("Numbers known of the sessions or files, as temperatures.", metavar="CSV"),
+    recipe: Path | None = option("Import the files of FOLDER by this recipe.", metavar="FILE"),
+    ask: bool = option("Open the recipe of the first file in your editor, for all."),
+    names: str | None = option('What the names of files say, as "{arm:d}P.txt".', metavar="PATTERN"),
+    varies: tuple[str, ...] = VARIES,
+    workers: int | None = option(
+        "Processes here (default: one a core).", type=click.IntRange(1, 1024), metavar="N"
+    ),
+    gain_percent: float | None = GAIN,
+    as_json: bool = JSON,
 ) -> None:
     """Identify hundreds of sessions and look at them together.
 
@@ -72,15 +53,13 @@ def command(
     are imported first. Each result is kept as soon as it is there; a second run
     does what is missing or changed.
     """
-    from station.campaign.kept import Kept
     from station.campaign.metadata import read_metadata
-    from station.campaign.run import Request
-    from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
+    from station.campaign.sources import FOLDER, Request, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
+    from station.campaign.workers import cores
     from station.exits import Answered
     from station.text import campaign_text
-    from station.text.campaign_progress import CampaignProgress
-    from station.text.layout import tell
+    from station.text.layout import answer
 
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
@@ -89,32 +68,38 @@ def command(
         place, folders = _imported(sessions, settings, (recipe, ask, names, varies), metadata, known)
         given: tuple[str, ...] = (str(place),)
         sessions = tuple(map(str, folders))
-        kept = Kept(output or place / FOLDER)
+        kept = output or place / FOLDER
     else:
-        given, kept = sessions, Kept(output or default_folder(sessions, settings))
+        given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
-    told = {source.name: {source.name, source.info.source_file if source.info else ""} for source in sources}
+    known = _of_sessions(known, sources, metadata)
+    request = Request(settings, gain_percent, diagnose)
+    processes = min(workers or cores(), len(sources))
+    try:
+        with _watched(len(sources)) as watch:
+            document = campaign(sources, request, kept, processes, watch, known)
+    except KeyboardInterrupt:
+        progress("finished sessions are kept, and the same command continues with the rest")
+        raise
+    folders_of = {source.folder.name: source.folder for source in sources}
+    step = _next(document, folders_of, given)
+    answer(as_json, document.plain(), campaign_text.told(document), *step)
+    if not document.rows:
+        raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
+
+
+def _of_sessions(
+    known: "dict[str, Known]", sources: "tuple[SessionSummary, ...]", metadata: Path | None
+) -> "dict[str, Known]":
+    """Return what the operator's table says, by the names of the sessions; count what is of none of them."""
+    told = {
+        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
+        for source in sources
+    }
     unknown = len(set(known) - set().union(*told.values()))
     if unknown:
         progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
-    known = {name: known[key] for name, keys in told.items() for key in keys if key in known}
-    watch = CampaignProgress(len(sources))
-    request = Request(settings, gain_percent, diagnose)
-    try:
-        crew = _crew(workers, scheduler, len(sources))
-        document = campaign(sources, request, crew, kept, watch, known)
-    except KeyboardInterrupt:
-        watch.end()
-        progress("finished sessions are kept, and the same command continues with the rest")
-        raise
-    watch.end()
-    if as_json:
-        print_json(document.plain())
-    else:
-        folders_of = {source.name: source.folder for source in sources}
-        tell(campaign_text.told(document), *_next(document, folders_of, given))
-    if not document.rows:
-        raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
+    return {name: known[key] for name, keys in told.items() for key in keys if key in known}
 
 
 def _imported(
@@ -153,8 +138,8 @@ def _imported(
     except Doubtful as refusal:
         click.echo(harmless(to_toml(refusal.proposal.recipe)))
         raise UsageProblem(
-            f"{refusal}. In a terminal --ask shows the columns; or write the recipe above into a file, correct it, and give "
-            "that by --recipe"
+            f"{refusal}. In a terminal --ask opens the recipe in your editor; or write the recipe above into a file, "
+            "correct it, and give that by --recipe"
         ) from refusal
     if not made:
         raise UsageProblem(f"{folder}: none of its {len(files)} files could be read; the reasons are above")
@@ -174,15 +159,20 @@ def _next(
     return ()
 
 
-def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":
-    from station.exits import UsageProblem
+@contextmanager
+def _watched(total: int) -> Iterator["Watch"]:
+    """Show in a terminal how many sessions are done and how long the rest takes; say of each that failed why."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    if scheduler is not None:
-        if workers is not None:
-            raise UsageProblem("--workers is for this computer; a cluster has the workers that it has")
-        from station.campaign.dask_crew import DaskCrew
+    from station.safe_text import SafeConsole
 
-        return DaskCrew(scheduler)
-    from station.campaign.local_crew import LocalCrew, cores
+    columns = (MofNCompleteColumn(), TextColumn("sessions"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=SafeConsole(stderr=True, highlight=False), transient=True) as bar:
+        task = bar.add_task("", total=total)
 
-    return LocalCrew(min(workers or cores(), sessions))
+        def watch(name: str, reason: str) -> None:
+            bar.advance(task)
+            if reason:
+                progress(f"failed: {name}: {reason}")
+
+        yield watch

@@ -10,82 +10,70 @@ from station import exits
 from station.commands.options import (
     BAUD,
     COLUMNS,
+    JSON,
     NO_VIEWER,
+    POSITIVE,
+    RELEASE,
     UNITS,
+    declared,
     new_session_option,
-    pass_settings,
-    release_options,
+    option,
 )
-from station.output import json_option, print_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 MOST_TAKES = 3
+KEPT_BEFORE = click.FloatRange(0.5, 60)
 
 if TYPE_CHECKING:
     from daq.session import Session
+    from station.text.content import Part
 
 
-@click.command("capture")
-@click.option(
-    "--port",
-    metavar="URL",
-    help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
-)
-@new_session_option("Folder of the new session (default: ./sessions/release_TIME).")
-@release_options
-@click.option(
-    "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
-)
-@click.option(
-    "--level",
-    type=click.FloatRange(0, min_open=True),
-    metavar="M",
-    help="Smallest swing taken for a release.",
-)
-@click.option(
-    "--release",
-    metavar="LENGTH",
-    help="The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
-)
-@click.option(
-    "--lines", is_flag=True, help="The board prints numbers, a line a sample; PORT may be a file that grows."
-)
-@click.option(
-    "--profile", metavar="NAME", help="What its lines mean, as kept by `station profile` (implies --lines)."
-)
-@click.option("--source", metavar="SOURCE", help="Instead of a port: audio, audio:DEVICE, or FILE.py:CLASS.")
-@COLUMNS
-@UNITS
-@BAUD
-@click.option(
-    "--spare",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
-)
-@NO_VIEWER
-@click.option(
-    "--again/--no-again",
-    default=None,
-    help="Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
-)
-@json_option
-@pass_settings
+HOW = RELEASE | {
+    "pre_trigger": (float, option("Seconds kept before the release (1).", type=KEPT_BEFORE, metavar="S")),
+    "level": (float, option("Smallest swing taken for a release.", type=POSITIVE, metavar="M")),
+    "release": (
+        str,
+        option(
+            "The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
+            metavar="LENGTH",
+        ),
+    ),
+}
+"""How a release is recorded, for `declared`."""
+
+
+@declared("capture", HOW)
 def command(
     settings: Settings,
     /,
-    port: str | None,
-    folder: Path | None,
-    spare: Path | None,
-    no_viewer: bool,
-    again: bool | None,
-    as_json: bool,
-    lines: bool,
-    profile: str | None,
-    source: str | None,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    baud: int | None,
+    port: str | None = option(
+        "Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
+        metavar="URL",
+    ),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/release_TIME)."),
+    lines: bool = option("The board prints numbers, a line a sample; PORT may be a file that grows."),
+    profile: str | None = option(
+        "What its lines mean, as kept by `station profile` (implies --lines).", metavar="NAME"
+    ),
+    source: str | None = option(
+        "Instead of a port: audio, audio:DEVICE, or FILE.py:CLASS.", metavar="SOURCE"
+    ),
+    columns: dict[str, str | int] = COLUMNS,
+    units: dict[str, str] = UNITS,
+    baud: int | None = BAUD,
+    spare: Path | None = option(
+        "Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
+        metavar="FOLDER",
+    ),
+    no_viewer: bool = NO_VIEWER,
+    again: bool | None = option(
+        "Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
+        "--again/--no-again",
+        default=None,
+    ),
+    as_json: bool = JSON,
     **given: Any,
 ) -> int:
     """Record one release, judge the recording, and identify it.
@@ -130,14 +118,20 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
 
 
 def finish(
-    session: "Session", url: str | None, settings: Settings, as_json: bool, note: str = "", **more: Any
+    session: "Session",
+    url: str | None,
+    settings: Settings,
+    as_json: bool,
+    note: "tuple[Part, ...]" = (),
+    **more: Any,
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
+    from dataclasses import replace
+
     from station.operations.identifying import identify_session, refuse_if_nothing, write_view
     from station.story.preparation import options_for
     from station.text.identification_text import next_command, told
-    from station.text.layout import tell
-    from station.text.next_step import next_line
+    from station.text.layout import answer
 
     verdict = session.verdict
     if verdict is not None:
@@ -148,25 +142,19 @@ def finish(
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
-    if not as_json:
-        tell(told(session.folder.name, result))
-        if note:
-            say(note)
     file = write_view(session, result)
     if url is not None:
         from station.views import show
 
         show.send(url, session.folder.name, result)
     progress(f"viewer's recording: {file}")
-    if as_json:
-        known = {
-            "session": str(session.folder),
-            "viewer_recording": str(file),
-            "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-            "identification": document.plain(),
-        }
-        print_json(known | more)
-    else:
-        line = next_line(next_command(result), session.folder)
-        say(line)
+    known = {
+        "session": str(session.folder),
+        "viewer_recording": str(file),
+        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+        "identification": document.plain(),
+    }
+    words = told(session.folder.name, result)
+    words = replace(words, brief=(*words.brief, *note))
+    answer(as_json, known | more, words, next_command(result), session.folder)
     refuse_if_nothing(result)

@@ -2,46 +2,32 @@
 
 from pathlib import Path
 
-import click
-
-from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION, pass_settings
-from station.output import json_option, print_json
+from station.commands.options import EFFECTS, FULL, JSON, MASS_INSTEAD, MODEL, SESSION, declared
 from station.settings import Settings
 
 
-@click.command("compare")
-@SESSION
-@MODEL
-@EFFECTS
-@MASS_INSTEAD
-@FULL
-@json_option
-@pass_settings
+@declared("compare")
 def command(
     settings: Settings,
-    session: str,
-    model_file: Path | None,
-    effects_file: Path | None,
-    mass: float | None,
-    full: bool,
-    as_json: bool,
+    session: str = SESSION,
+    model_file: Path | None = MODEL,
+    effects_file: Path | None = EFFECTS,
+    mass: float | None = MASS_INSTEAD,
+    full: bool = FULL,
+    as_json: bool = JSON,
 ) -> None:
     """Compare a model with SESSION: how large its errors are, and where.
 
     The residual beside the noise, a sensor or physics, the worst places in
-    words; --full adds noise, cycles and harmonics. Without --model it is the session's current
+    words; --full adds noise and harmonics. Without --model it is the session's current
     model: the refined one, and before any `refine` the one that it begins with.
     """
     from station.operations.comparing import compare_session
     from station.results.sessions import open_session
+    from station.text.comparison_text import told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.comparison_text import told
-        from station.text.layout import tell
-
-        step = "report" if compared.judged.at_floor else "diagnose"
-        tell(told(compared), step, opened.folder, full=full)
+    step = "report" if compared.judged.at_floor else "diagnose"
+    answer(as_json, document.plain(), told(compared), step, opened.folder, full=full)

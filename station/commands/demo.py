@@ -2,57 +2,40 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import NO_VIEWER, new_session_option, pass_settings
-from station.output import json_option, print_json
+from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
+from station.output import print_json, screen
 from station.settings import Settings
+
+if TYPE_CHECKING:
+    from station.text.content import Part
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 
 
-@click.command("demo")
-@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and release.")
-@click.option(
-    "--speed",
-    type=click.FloatRange(min=0),
-    default=SPEED,
-    show_default=True,
-    help="Times real time; 0: as fast as it goes.",
-)
-@click.option(
-    "--mystery", is_flag=False, flag_value=-1, type=int, metavar="[SEED]", help="Hide an effect, find it."
-)
-@click.option(
-    "--guided",
-    is_flag=False,
-    flag_value=5,
-    type=int,
-    metavar="[SEED]",
-    help="Hide an effect; be guided to its name.",
-)
-@click.option("--example", metavar="NAME", help="Identify a recording that comes with the station.")
-@click.option("--list", "listed", is_flag=True, help="List the recordings that come with the station.")
-@click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
-@new_session_option("Folder of the new session (default: ./sessions/demo_TIME).")
-@NO_VIEWER
-@json_option
-@pass_settings
+@declared("demo")
 def command(
     settings: Settings,
-    seed: int,
-    speed: float,
-    mystery: int | None,
-    guided: int | None,
-    example: str | None,
-    listed: bool,
-    pty: bool,
-    folder: Path | None,
-    no_viewer: bool,
-    as_json: bool,
+    seed: int = option("Draws bench, sensors, lag and release.", default=6, show_default=True),
+    speed: float = option(
+        "Times real time; 0: as fast as it goes.",
+        type=click.FloatRange(min=0),
+        default=SPEED,
+        show_default=True,
+    ),
+    mystery: int | None = option("Hide an effect, find it.", is_flag=False, flag_value=-1, metavar="[SEED]"),
+    guided: int | None = option(
+        "Hide an effect; be guided to its name.", is_flag=False, flag_value=5, metavar="[SEED]"
+    ),
+    example: str | None = option("Identify a recording that comes with the station.", metavar="NAME"),
+    listed: bool = option("List the recordings that come with the station.", "--list"),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/demo_TIME)."),
+    no_viewer: bool = NO_VIEWER,
+    as_json: bool = JSON,
 ) -> None:
     """Run the whole job on a simulated board: capture, align, identify, show.
 
@@ -68,13 +51,11 @@ def command(
 
         finish(open_example(example, settings.sessions), None, settings, as_json)
     elif guided is not None:
-        from station.commands.guided_demo import play_guided
-
-        play_guided(settings, guided, speed, pty, folder, as_json)
+        _guided(settings, guided, speed, folder, as_json)
     elif mystery is not None:
         from station.operations.mystery import play
 
-        play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
+        play(settings, mystery if mystery >= 0 else None, speed, folder, no_viewer, as_json)
     else:
         from station.commands.capture import finish
         from station.operations.new_session import new_folder
@@ -82,10 +63,36 @@ def command(
 
         where = folder or new_folder(settings.sessions, "demo")
         wanted = simulated_capture(settings, f"simulated testbed, seed {seed}", speed)
-        session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer)
+        session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
-        finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+        finish(session, url, settings, as_json, (_made_of(truth),), made_of=made_of)
+
+
+def _guided(settings: Settings, seed: int, speed: float, folder: Path | None, as_json: bool) -> None:
+    """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
+    from station.commands.guide import show_guided
+    from station.operations.guiding import RIG, SIMULATED, GuidedTest
+    from station.operations.mystery import BOARD, hidden_words
+    from station.operations.new_session import new_folder
+    from station.operations.simulated_board import on_simulated, simulated_capture
+    from station.text.layout import labelled
+
+    wanted = simulated_capture(settings, f"mystery {seed}", speed)
+    place = folder or new_folder(settings.sessions, "guide")
+    document, envelope = on_simulated(
+        lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True), as_json),
+        seed,
+        speed,
+        *RIG,
+        module=BOARD,
+    )
+    truth = json.loads(envelope)
+    if as_json:
+        hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
+        print_json(document.plain() | {"hidden": hidden})
+    else:
+        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now"))
 
 
 def _list(as_json: bool) -> None:
@@ -100,9 +107,11 @@ def _list(as_json: bool) -> None:
     click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
 
 
-def _made_of(truth: dict[str, Any]) -> str:
-    return (
-        " the simulated board was made with (which the station did not know):\n"
-        f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
-        f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
+def _made_of(truth: dict[str, Any]) -> "Part":
+    from station.text.content import Paragraph
+
+    return Paragraph(
+        f"K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s, "
+        f"lag {truth['displacement_late_s'] * 1e6:.1f} us",
+        label="the simulated board was made with (which the station did not know)",
     )

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES, pass_settings
+from station.commands.options import EFFECTS, FULL, GAIN, JSON, MODEL, SESSIONS, VARIES, declared, option
 from station.exits import Answered
-from station.output import json_option, print_json, progress
+from station.output import print_json, progress
 from station.settings import Settings
 from station.suggestions import MEASURED_CURVE
 
@@ -17,35 +17,24 @@ if TYPE_CHECKING:
 ANOTHER = "ANOTHER_RELEASE"
 
 
-@click.command("diagnose")
-@SESSIONS
-@MODEL
-@EFFECTS
-@GAIN
-@click.option(
-    "--worth",
-    type=click.FloatRange(0.0, 100.0),
-    default=0.0,
-    metavar="PERCENT",
-    help="Name no force that removes less than this share of the motion.",
-)
-@VARIES
-@click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
-@FULL
-@click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)  # scripts of before give it
-@json_option
-@pass_settings
+@declared("diagnose")
+@click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)
 def command(
     settings: Settings,
-    sessions: tuple[str, ...],
-    model_file: Path | None,
-    effects_file: Path | None,
-    gain_percent: float | None,
-    worth: float,
-    varies: tuple[str, ...],
-    anyway: bool,
-    full: bool,
-    as_json: bool,
+    sessions: tuple[str, ...] = SESSIONS,
+    model_file: Path | None = MODEL,
+    effects_file: Path | None = EFFECTS,
+    gain_percent: float | None = GAIN,
+    worth: float = option(
+        "Name no force that removes less than this share of the motion.",
+        type=click.FloatRange(0.0, 100.0),
+        default=0.0,
+        metavar="PERCENT",
+    ),
+    varies: tuple[str, ...] = VARIES,
+    anyway: bool = option("Even if the sessions look like different benches."),
+    full: bool = FULL,
+    as_json: bool = JSON,
 ) -> None:
     """Find out which effect a model lacks.
 
@@ -60,6 +49,9 @@ def command(
     from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
     from station.operations.session_set import declared, open_sessions
     from station.results.diagnosis_document import refused_document, with_differences
+    from station.story.preparation import weighing_of
+    from station.text.diagnosis_text import told
+    from station.text.layout import answer
 
     try:
         opened = open_sessions(sessions, settings, gain_percent, declared([varies]))
@@ -75,16 +67,10 @@ def command(
     if shared is not None:
         document = with_differences(document, shared)
     keep(opened, document)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.story.preparation import weighing_of
-        from station.text.diagnosis_text import told
-        from station.text.layout import tell
-
-        weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
-        folders = [session.folder for session in opened.sessions]
-        tell(told(document, weighing, full=full), *next_step(folders, document), full=full)
+    weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
+    words = told(document, weighing, full=full)
+    folders = [session.folder for session in opened.sessions]
+    answer(as_json, document.plain(), words, *next_step(folders, document), full=full)
     if document.verdict == "not_enough_data":
         raise Answered(f"not enough data: {document.explanation}")
 

@@ -6,28 +6,25 @@ from typing import TYPE_CHECKING
 import click
 
 from station import exits
-from station.commands.options import pass_settings
-from station.output import json_option, print_json, say, screen
+from station.commands.options import JSON, declared, option
+from station.output import print_json, say, screen
 from station.settings import Settings
 
 if TYPE_CHECKING:
     from station.operations.doctor import Finding
 
 
-@click.command("doctor")
-@click.option(
-    "--port", metavar="URL", help="Port of the board (default: the settings', or each that answers)."
-)
-@click.option(
-    "--seconds",
-    type=click.FloatRange(min=1, max=60),
-    default=2.0,
-    show_default=True,
-    help="How long to sample; swing the mass meanwhile to have the wiring checked.",
-)
-@json_option
-@pass_settings
-def command(settings: Settings, port: str | None, seconds: float, as_json: bool) -> int:
+@declared("doctor")
+def command(
+    settings: Settings,
+    port: str | None = option(
+        "Port of the board (default: the settings', or each that answers).", metavar="URL"
+    ),
+    seconds: float = option(
+        "How long to sample.", type=click.FloatRange(min=1, max=60), default=2.0, show_default=True
+    ),
+    as_json: bool = JSON,
+) -> int:
     """Check the computer, the port and the board: PASS, WARN or FAIL, and the remedy.
 
     Ends with 0 unless a check FAILs, with 3 then.

@@ -1,51 +1,31 @@
 """`station effects`: the library of physical effects and sensors' faults, and one of them in full."""
 
-from pathlib import Path
-
-import click
-
-from station.commands.options import known_effect
+from station.commands.options import JSON, argument, declared, known_effect
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress, say, screen
+from station.output import print_json, say, screen
 from station.text.next_step import next_line
 
 
-@click.command("effects")
-@click.argument("name", required=False, callback=known_effect)
-@click.option("--picture", type=click.Path(path_type=Path), metavar="FILE", help="Write its picture as PNG.")
-@json_option
-def command(name: str | None, picture: Path | None, as_json: bool) -> None:
+@declared("effects")
+def command(name: str | None = argument(required=False, callback=known_effect), as_json: bool = JSON) -> None:
     """List the effects that may be missing, or describe NAME.
 
     With NAME: its equation, parameters with units and bounds, how it shows,
-    what proves it, what it is confused with, its force and its signature.
+    what proves it, and what it is confused with.
     """
-    from identify.effects.force_effect import ForceEffect
     from identify.effects.library import LIBRARY, find_effect
-    from station.story.effect_portrait import portray
     from station.text import effect_text
-    from station.views.effects import draw
+    from station.text.layout import answer
 
-    if name is None:
-        if picture is not None:
-            raise UsageProblem("--picture draws one effect: name it, as in `station effects cubic_stiffness`")
-        if as_json:
-            print_json({"effects": [effect_text.as_document(effect, None) for effect in LIBRARY]})
-        else:
-            effect_text.show_list(screen(), LIBRARY)
-        return
-    try:
-        effect = find_effect(name)
-    except KeyError as missing:
-        raise UsageProblem(str(missing.args[0])) from None
-    portrait = portray(effect) if isinstance(effect, ForceEffect) else None
-    if picture is not None:
-        if portrait is None:
-            raise UsageProblem(f"{name} is a fault of a sensor: it has no force to draw")
-        draw(effect, portrait, picture)
-        progress(f"picture: {picture}")
-    if as_json:
-        print_json(effect_text.as_document(effect, portrait))
+    if name is not None:
+        try:
+            effect = find_effect(name)
+        except KeyError as missing:
+            raise UsageProblem(str(missing.args[0])) from None
+        step = ("refine", "last", "--add", name)
+        answer(as_json, effect_text.as_document(effect), effect_text.told(effect), *step, full=True)
+    elif as_json:
+        print_json({"effects": [effect_text.as_document(effect) for effect in LIBRARY]})
     else:
-        effect_text.show_effect(screen(), effect, portrait)
-        say(next_line("refine", "last", "--add", name))
+        effect_text.show_list(screen(), LIBRARY)
+        say(next_line("effects", "NAME"))

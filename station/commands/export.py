@@ -4,36 +4,25 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import JSON, SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import print_json, progress
 from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 
 
-@click.command("export")
-@SESSION
-@click.option(
-    "--to", "form", type=click.Choice(FORMATS), help="Format (default: by the ending of FILE, else csv)."
-)
-@click.option(
-    "--file",
-    type=click.Path(path_type=Path),
-    help="File to write (default: the session's name with the format's ending, here).",
-)
-@click.option("--as-recorded", is_flag=True, help="Do not move the displacement by its lag.")
-@click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
-@json_option
-@pass_settings
+@declared("export")
 def command(
     settings: Settings,
-    session: str,
-    form: str | None,
-    file: Path | None,
-    as_recorded: bool,
-    overwrite: bool,
-    as_json: bool,
+    session: str = SESSION,
+    form: str | None = option(
+        "Format (default: by the ending of FILE, else csv).", "--to", type=click.Choice(FORMATS)
+    ),
+    file: Path | None = option("File to write (default: the session's name with the format's ending, here)."),
+    as_recorded: bool = option("Do not move the displacement by its lag."),
+    overwrite: bool = option("Replace a file that is there."),
+    as_json: bool = JSON,
 ) -> None:
     """Write the channels of SESSION, on one clock, into a file.
 
@@ -52,7 +41,7 @@ def command(
             raise UsageProblem(f"{file}: the ending tells no format; say --to {', '.join(FORMATS)}")
     opened = open_session(session, settings.sessions)
     target = file if file is not None else Path(f"{opened.folder.name}{ENDINGS[form][0]}")
-    exported, said = exported_session(opened, settings, aligned=not as_recorded)
+    exported = exported_session(opened, settings, aligned=not as_recorded)
     size = write_exported(exported, form, target, overwrite=overwrite)
     recording = exported.recording
     if as_json:
@@ -70,5 +59,7 @@ def command(
         return
     columns = ", ".join(f"{n} [{c.unit}]" for n, c in zip(exported.names, recording.channels, strict=True))
     progress(f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")
-    progress(said)
+    for name in ("channels", "lag_s", "lag_std_s"):
+        if name in exported.facts:
+            progress(f"{name}: {exported.facts[name]}")
     click.echo(f"written: {target} ({form}, {size / 1000:.0f} kB)")

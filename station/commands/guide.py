@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import new_session_option, pass_settings, release_options
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import JSON, RELEASE, declared, new_session_option, option
+from station.output import print_json, progress, screen
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -17,28 +17,19 @@ if TYPE_CHECKING:
     from station.results.guide_document import GuideDocument
 
 
-@click.command("guide")
-@click.option(
-    "--port",
-    metavar="URL",
-    help="Port of the board, as for `station capture` (default: the only board that answers).",
-)
-@click.option(
-    "--limits", metavar="LOW,HIGH", help="Amplitudes that are safe, as 2mm,25mm (default: a terminal asks)."
-)
-@click.option("--unattended", is_flag=True, help="The rig holds and releases the mass itself.")
-@new_session_option("Folder of its sessions (default: ./sessions/guide_TIME).")
-@release_options
-@json_option
-@pass_settings
+@declared("guide", RELEASE)
 def command(
     settings: Settings,
     /,
-    port: str | None,
-    limits: str | None,
-    unattended: bool,
-    folder: Path | None,
-    as_json: bool,
+    port: str | None = option(
+        "Port of the board, as for `station capture` (default: the only board that answers).", metavar="URL"
+    ),
+    limits: str | None = option(
+        "Amplitudes that are safe, as 2mm,25mm (default: a terminal asks).", metavar="LOW,HIGH"
+    ),
+    unattended: bool = option("The rig holds and releases the mass itself."),
+    folder: Path | None = new_session_option("Folder of its sessions (default: ./sessions/guide_TIME)."),
+    as_json: bool = JSON,
     **given: Any,
 ) -> int:
     """Say what to release, record it, judge it, and say what to release next.

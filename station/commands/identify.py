@@ -2,26 +2,19 @@
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
+from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json
 from station.settings import Settings
 
 
-@click.command("identify")
-@SESSION
-@MASS_INSTEAD
-@click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
-@click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")
-@json_option
-@pass_settings
+@declared("identify")
 def command(
     settings: Settings,
-    session: str,
-    mass: float | None,
-    max_order: int | None,
-    stiffness_orders: str | None,
-    as_json: bool,
+    session: str = SESSION,
+    mass: float | None = MASS_INSTEAD,
+    max_order: int | None = option("Highest order of damping that is tried.", type=click.IntRange(0, 5)),
+    stiffness_orders: str | None = option("Orders of displacement in the restoring force.", metavar="1,3"),
+    as_json: bool = JSON,
 ) -> None:
     """Find stiffness, friction and damping in SESSION.
 
@@ -34,6 +27,8 @@ def command(
     from station.operations.new_session import session_info
     from station.results.sessions import open_session
     from station.story.preparation import options_for
+    from station.text.identification_text import next_command, told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions, session_info(settings, mass))
     options = options_for(opened, settings, mass)
@@ -42,13 +37,8 @@ def command(
     if stiffness_orders is not None:
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options)
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.identification_text import next_command, told
-        from station.text.layout import tell
-
-        tell(told(opened.folder.name, result), next_command(result), opened.folder)
+    words = told(opened.folder.name, result)
+    answer(as_json, document.plain(), words, next_command(result), opened.folder)
     refuse_if_nothing(result)
 
 

@@ -9,86 +9,68 @@ import click
 from station.commands.options import (
     COLUMNS,
     CONDITIONS,
+    JSON,
     MASS,
     MASS_STD,
     OPERATOR,
+    POSITIVE,
     SPECIMEN,
     UNITS,
     VARIES,
+    argument,
+    declared,
     new_session_option,
-    pass_settings,
+    option,
 )
 from station.exits import UsageProblem
-from station.output import json_option, print_json, say, screen
 from station.settings import Settings
-from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.sessions import Imported
+    from station.text.content import Told
 
 
-@click.command("import")
-@click.argument("file", type=click.Path(path_type=Path))
-@new_session_option("Folder of the new session (default: ./sessions/NAME).")
-@MASS
-@MASS_STD
-@COLUMNS
-@UNITS
-@click.option(
-    "--rate",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="HZ",
-    help="Sampling rate, where the file has no time.",
-)
-@click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
-@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
-@click.option("--encoding", help="Text encoding.")
-@click.option(
-    "--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Lines to ignore at the top."
-)
-@click.option("--resample", is_flag=True, help="Put uneven time stamps on an even clock.")
-@click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
-@click.option(
-    "--run", metavar="N", help="One run of a file that holds several (default: all, a session each)."
-)
-@click.option(
-    "--angle-from",
-    metavar="X,Y",
-    help="Angle of a pendulum from the columns x and y (up) of its bob, from the pivot.",
-)
-@click.option(
-    "--from", "start", type=float, metavar="S", help="Leave out what is before this time of the file."
-)
-@click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
-@click.option("--recipe", metavar="FILE", help="Read by this recipe alone; none: by no recipe that was kept.")
-@click.option("--ask", is_flag=True, help="Show the columns and ask what they are.")
-@click.option(
-    "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
-)
-@click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
-@SPECIMEN
-@OPERATOR
-@CONDITIONS
-@VARIES
-@json_option
-@pass_settings
+COUNT = click.IntRange(min=0)
+
+READING = {
+    "rate": (float, option("Sampling rate, where the file has no time.", type=POSITIVE, metavar="HZ")),
+    "delimiter": (str, option("Between columns: a character, tab or blank.", metavar="SIGN")),
+    "decimal": (str, option("Decimal sign.", type=click.Choice([".", ","]))),
+    "encoding": (str, option("Text encoding.")),
+    "skip_rows": (int, option("Lines to ignore at the top.", type=COUNT, default=0, metavar="N")),
+    "resample": (bool, option("Put uneven time stamps on an even clock.")),
+    "keep_derived": (bool, option("Keep channels that were computed from another one.")),
+    "run": (str, option("One run of a file that holds several (default: all, a session each).", metavar="N")),
+    "start": (float, option("Leave out what is before this time of the file.", "--from", metavar="S")),
+    "stop": (float, option("Leave out what is after this time of the file.", "--to", metavar="S")),
+    "accept": (bool, option("Take the recipe that is proposed where the file does not say all.")),
+    "keep_offset": (bool, option("Leave gravity in an acceleration.")),
+}
+"""How the file is read, for `declared`: the fields of ImportOptions."""
+
+
+@declared("import", READING)
 def command(
     settings: Settings,
     /,
-    file: Path,
-    folder: Path | None,
-    mass: float | None,
-    mass_std: float | None,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    angle_from: str | None,
-    specimen: str | None,
-    operator: str | None,
-    conditions: tuple[str, ...],
-    varies: tuple[str, ...],
-    recipe: str | None,
-    ask: bool,
-    as_json: bool,
+    file: Path = argument(),
+    folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/NAME)."),
+    mass: float | None = MASS,
+    mass_std: float | None = MASS_STD,
+    columns: dict[str, str | int] = COLUMNS,
+    units: dict[str, str] = UNITS,
+    angle_from: str | None = option(
+        "Angle of a pendulum from the columns x and y (up) of its bob, from the pivot.", metavar="X,Y"
+    ),
+    recipe: str | None = option(
+        "Read by this recipe alone; none: by no recipe that was kept.", metavar="FILE"
+    ),
+    ask: bool = option("Open the proposed recipe in your editor."),
+    specimen: str | None = SPECIMEN,
+    operator: str | None = OPERATOR,
+    conditions: tuple[str, ...] = CONDITIONS,
+    varies: tuple[str, ...] = VARIES,
+    as_json: bool = JSON,
     **others: Any,
 ) -> None:
     """Turn FILE (CSV, JSON, MATLAB .mat, UFF58) into sessions, one for each release.
@@ -103,6 +85,7 @@ def command(
     from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
     from station.safe_text import harmless
+    from station.text.layout import answer
 
     options = ImportOptions(
         columns=columns, units=units, angle_from=_two("--angle-from", angle_from), **others
@@ -124,10 +107,7 @@ def command(
         if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
             click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(file, options, refusal) from refusal
-    if as_json:
-        print_json(_document(file, imported))
-    else:
-        _say(file, imported)
+    answer(as_json, _document(file, imported), _told(file, imported), "identify", imported.sessions[0].folder)
 
 
 def _two(option: str, given: str | None) -> tuple[str, str] | None:
@@ -156,22 +136,19 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
     }
 
 
-def _say(file: Path, imported: "Imported") -> None:
+def _told(file: Path, imported: "Imported") -> "Told":
     from daq.session_reading import RECIPE
+    from station.text.content import Told, facts
 
-    console = screen()
+    rows = []
     for recording in imported.recordings:
         samples = recording.samples.shape[1]
-        run = f", run {recording.run}" if recording.run else ""
-        console.print(
-            f"{file.name}{run}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
-        )
-    names = ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)
-    console.print(f"  channels: {names}", markup=False)
-    for note in imported.notes:
-        console.print(f"  - {note}", markup=False)
-    for session in imported.sessions:
-        say(f"session: {session.folder}")
-    recipe = imported.sessions[0].folder / RECIPE
-    say(f"recipe: {recipe} (a copy, corrected, is read by --recipe)")
-    say(next_line("identify", imported.sessions[0].folder))
+        size = f"{samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
+        rows.append(("record", f"run {recording.run}: {size}" if recording.run else size))
+    rows.append(("channels", ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)))
+    rows += [("", note) for note in imported.notes]
+    rows += [("session", str(session.folder)) for session in imported.sessions]
+    rows.append(
+        ("recipe", f"{imported.sessions[0].folder / RECIPE} (a copy, corrected, is read by --recipe)")
+    )
+    return Told(file.name, "", facts(rows))

@@ -2,23 +2,23 @@
 
 from typing import Any
 
-import click
-
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import JSON, SESSION, declared
 from station.exits import UsageProblem
-from station.output import json_option, print_json, say, screen
 from station.settings import Settings
 
 
-@click.command("info")
-@SESSION
-@json_option
-@pass_settings
-def command(settings: Settings, session: str, as_json: bool) -> None:
+@declared("info")
+def command(
+    settings: Settings,
+    session: str = SESSION,
+    as_json: bool = JSON,
+) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
     from identify.formatting import plain_name
     from station.operations.current_model import current_model
     from station.results.sessions import open_session
+    from station.text.content import Told, facts
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     recording = opened.recording()
@@ -46,49 +46,34 @@ def command(settings: Settings, session: str, as_json: bool) -> None:
         "model": names,
         "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
     }
-    if as_json:
-        print_json(document)
-    else:
-        _print(document, recording.rate, model)
+    words = Told(str(opened.folder), "", facts(_rows(document, recording.rate, model)))
+    answer(as_json, document, words, _next(document["results"]), opened.folder)
 
 
-def _print(document: dict[str, Any], rate: float, model: str) -> None:
-    from station.text.content import facts
+def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, str]]:
     from station.text.flags import flagged_lines
-    from station.text.layout import show_parts
-    from station.text.next_step import next_line
 
-    console = screen()
     samples, lost = document["samples"], document["lost_samples"]
-    mass = "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"
-    lines = [
-        ("session", document["session"]),
+    verdict = document["verdict"]
+    return [
         ("made", document["created"]),
         ("state", ": ".join(filter(None, (document["state"], document["reason"])))),
         ("source", document["source"]),
         ("operator", document["operator"]),
         ("specimen", document["specimen"]),
-        ("mass", mass),
+        ("mass", "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"),
         ("record", f"{samples} samples at {rate:g} Hz ({samples / rate:.3f} s), {lost} lost"),
         ("channels", ", ".join(f"{c['name']} [{c['unit']}]" for c in document["channels"])),
         ("model", model),
         ("results", ", ".join(document["results"]) or "none yet"),
+        ("verdict", "" if verdict is None else "; ".join([verdict["word"], *verdict["reasons"]])),
+        *(("flagged", line) for line in flagged_lines(document["flags"], rate)),
+        *(("note", note) for note in document["notes"]),
     ]
-    verdict = document["verdict"]
-    if verdict is not None:
-        lines.append(("verdict", "; ".join([verdict["word"], *verdict["reasons"]])))
-    lines += [("flagged", line) for line in flagged_lines(document["flags"], rate)]
-    lines += [("note", note) for note in document["notes"]]
-    show_parts(console, facts(lines))
-    say(next_line(_next(document["results"]), document["session"]))
 
 
 def _next(results: list[str]) -> str:
     """Return the first command whose result the session does not hold."""
-    steps = (
-        ("identification.json", "identify"),
-        ("comparison.json", "compare"),
-        ("diagnosis.json", "diagnose"),
-    )
-    missing = [] if "ladder.json" in results else [command for name, command in steps if name not in results]
-    return missing[0] if missing else "report"
+    steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
+    missing = (command for name, command in steps.items() if name not in results)
+    return "report" if "ladder.json" in results else next(missing, "report")

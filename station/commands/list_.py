@@ -1,69 +1,51 @@
 """`station list`: the sessions in a folder."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import click
-
-from station.commands.options import pass_settings
-from station.output import json_option, print_json, say, screen
+from station.commands.options import JSON, argument, declared
 from station.settings import Settings
-from station.text.next_step import next_line
+
+if TYPE_CHECKING:
+    from daq.session import SessionSummary
+
+SHOWN = ("name", "created", "state", "mass_kg", "rate_hz", "source")
 
 
-@click.command("list")
-@click.argument("folder", required=False, type=click.Path(path_type=Path))
-@json_option
-@pass_settings
-def command(settings: Settings, folder: Path | None, as_json: bool) -> None:
+@declared("list")
+def command(settings: Settings, folder: Path | None = argument(required=False), as_json: bool = JSON) -> None:
     """List the sessions in FOLDER (default: ./sessions), oldest first."""
     from daq.session import list_sessions
     from station.exits import UsageProblem
+    from station.text.content import Table, Told
+    from station.text.layout import answer
 
     place = folder or settings.sessions
     if folder is not None and not place.is_dir():
         raise UsageProblem(f"{place}: there is no such folder")
     found = list_sessions(place) if place.is_dir() else ()
-    if as_json:
-        print_json({"folder": str(place), "sessions": [_entry(summary) for summary in found]})
-        return
+    document = {"folder": str(place), "sessions": [_entry(summary) for summary in found]}
     if not found:
-        screen().print(
-            f"no sessions in {place}; make one with `station demo`, `capture` or `import`", markup=False
-        )
+        words = Told(f"no sessions in {place}; make one with `station demo`, `capture` or `import`", "", ())
+        answer(as_json, document, words)
         return
-    _print(found)
+    head = ("session", "made", "state", "verdict", "mass")
+    table = Table("", head, tuple(map(_row, found)), texts=5)
+    answer(as_json, document, Told(f"sessions in {place}", "", (table,)), "info", found[-1].folder)
 
 
-def _entry(summary: Any) -> dict[str, Any]:
+def _entry(summary: "SessionSummary") -> dict[str, Any]:
     info = summary.info
     if info is None:
         return {"session": str(summary.folder), "problem": summary.problem}
-    return {
-        "session": str(summary.folder),
-        "name": info.name,
-        "created": info.created.isoformat(),
-        "state": info.state.value,
-        "verdict": getattr(info, "verdict", None) or None,
-        "mass_kg": info.mass_kg,
-        "rate_hz": info.rate_hz,
-        "source": info.source,
-    }
+    known = info.model_dump(mode="json", include=set(SHOWN))
+    return {"session": str(summary.folder), **known, "verdict": info.verdict or None}
 
 
-def _print(found: Any) -> None:
-    from station.text.content import Table
-    from station.text.layout import show_parts
-
-    rows = []
-    for summary in found:
-        info = summary.info
-        if info is None:
-            rows.append((summary.folder.name, "", "damaged", summary.problem, ""))
-            continue
-        made = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
-        mass = "" if info.mass_kg is None else f"{info.mass_kg:g} kg"
-        rows.append((summary.folder.name, made, info.state.value, getattr(info, "verdict", "") or "", mass))
-    head = ("session", "made", "state", "verdict", "mass")
-    show_parts(screen(), [Table("", head, tuple(rows), texts=5)])
-    say(next_line("info", found[-1].folder))
+def _row(summary: "SessionSummary") -> tuple[str, ...]:
+    info = summary.info
+    if info is None:
+        return (summary.folder.name, "", "damaged", summary.problem, "")
+    made = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
+    mass = "" if info.mass_kg is None else f"{info.mass_kg:g} kg"
+    return (summary.folder.name, made, info.state.value, info.verdict, mass)

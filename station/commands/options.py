@@ -1,6 +1,7 @@
-"""Options that several commands share."""
+"""The declaration of a command, and the options that several commands share."""
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,18 +11,72 @@ import click
 from station.exits import UsageProblem
 from station.settings import load_settings
 
+FILE = click.Path(path_type=Path)
+POSITIVE = click.FloatRange(min=0, min_open=True)
+KINDS: dict[Any, dict[str, Any]] = {
+    bool: {"is_flag": True},
+    Path: {"type": FILE},
+    Path | None: {"type": FILE},
+    float: {"type": float},
+    float | None: {"type": float},
+    int | None: {"type": int},
+}
+"""What `click` is told of an option by the type of its parameter."""
+
 Given = TypeVar("Given", str, tuple[str, ...])
 
 
-def pass_settings(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the settings as its first argument; UsageProblem where the file that was named is none."""
+def declared(
+    name: str, others: Mapping[str, tuple[Any, Any]] | None = None
+) -> Callable[[Callable[..., Any]], click.Command]:
+    """Make a command of a function whose parameters have the options and arguments that give them as their defaults.
 
-    @click.pass_obj
-    @wraps(command)
-    def with_settings(file: str | None, /, *args: Any, **given: Any) -> Any:
-        return command(load_settings(file), *args, **given)
+    `others` are options by the name under which they come among the function's keywords, each after its type. A parameter
+    `settings` gets the settings; UsageProblem where the file that was named is none.
+    """
 
-    return with_settings
+    def made(function: Callable[..., Any]) -> click.Command:
+        parameters = inspect.signature(function).parameters
+        by_name = "settings" in parameters
+
+        @click.pass_obj
+        @wraps(function)
+        def called(file: str | None, /, **given: Any) -> Any:
+            return function(load_settings(file), **given) if by_name else function(**given)
+
+        command = click.command(name)(called)
+        for key, (kind, declare) in (others or {}).items():
+            parameter = inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, annotation=kind)
+            command.params.append(declare(parameter))
+        for parameter in parameters.values():
+            if parameter.default is not parameter.empty:
+                command.params.append(parameter.default(parameter))
+        return command
+
+    return made
+
+
+def option(help: str, *names: str, **said: Any) -> Any:
+    """Declare an option in the place of a parameter's default, else as `click.option`.
+
+    Without `names` it has the parameter's; the parameter's type says what it takes, and makes of a `bool` a flag.
+    """
+
+    def declare(parameter: inspect.Parameter) -> click.Parameter:
+        spelled = names or (f"--{parameter.name.replace('_', '-')}",)
+        kind = KINDS.get(parameter.annotation, {})
+        return click.Option((*spelled, parameter.name), help=help, **{**kind, **said})
+
+    return declare
+
+
+def argument(**said: Any) -> Any:
+    """Declare an argument in the place of a parameter's default, else as `click.argument`."""
+
+    def declare(parameter: inspect.Parameter) -> click.Parameter:
+        return click.Argument((parameter.name,), **{**KINDS.get(parameter.annotation, {}), **said})
+
+    return declare
 
 
 def existing(
@@ -75,100 +130,80 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
     return value
 
 
-SESSION = click.argument("session", callback=existing())
-SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION...", callback=existing())
-MODEL = click.option(
+SESSION = argument(callback=existing())
+SESSIONS = argument(nargs=-1, required=True, metavar="SESSION...", callback=existing())
+MODEL = option(
+    "A model file; or `refined`, `identified`, `usual` (spring, dry, viscous friction).",
     "--model",
-    "model_file",
-    type=click.Path(path_type=Path),
     metavar="FILE",
-    help="A model file; or `refined`, `identified`, `usual` (spring, dry, viscous friction).",
 )
-EFFECTS = click.option(
-    "--effects",
-    "effects_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    is_eager=True,
-    help="Your own effects (Python).",
-)
-GAIN = click.option(
+EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE", is_eager=True)
+GAIN = option(
+    "Uncertainty of the gain between the channels.",
     "--gain-uncertainty",
-    "gain_percent",
     type=click.FloatRange(0, 50),
     metavar="PERCENT",
-    help="Uncertainty of the gain between the channels.",
 )
-MASS_INSTEAD = click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
+MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE, metavar="KG")
+MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
+MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
+FULL = option("Print all that is known, not only the result.", "--full")
+JSON = option("One JSON object on stdout.", "--json")
+NO_VIEWER = option("Do not open the viewer.", "--no-viewer")
+DURATION = option(
+    "Seconds after the release (8).", "--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S"
 )
-MASS = click.option(
-    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
-)
-MASS_STD = click.option(
-    "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
-)
-FULL = click.option("--full", is_flag=True, help="Print all that is known, not only the result.")
-NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
-DURATION = click.option(
-    "--duration",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-    help="Seconds after the release (8).",
-)
-RATE = click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
-PATIENCE = click.option(
+RATE = option("Sampling rate (256).", "--rate", type=click.FloatRange(5, 20000), metavar="HZ")
+PATIENCE = option(
+    "How long to wait for the release (60).",
     "--patience",
     type=click.FloatRange(0, 3600, min_open=True),
     metavar="S",
-    help="How long to wait for the release (60).",
 )
-SPECIMEN = click.option("--specimen", help="What is tested.")
-OPERATOR = click.option("--operator", help="Who tests it.")
-CONDITIONS = click.option(
+SPECIMEN = option("What is tested.", "--specimen")
+OPERATOR = option("Who tests it.", "--operator")
+CONDITIONS = option(
+    'A known condition of the test, as "temperature [degC]=21.5".',
     "--condition",
-    "conditions",
     multiple=True,
     metavar="NAME=NUMBER",
-    help='A known condition of the test, as "temperature [degC]=21.5".',
 )
-VARIES = click.option(
+VARIES = option(
+    "What differs between the sessions of one rig, as stiffness,inertia.",
     "--varies",
     metavar="NAME,...",
     callback=lambda context, parameter, value: tuple(value.split(",")) if value else (),
-    help="What differs between the sessions of one rig, as stiffness,inertia.",
 )
-COLUMNS = click.option(
+COLUMNS = option(
+    "Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
     "--column",
-    "columns",
     multiple=True,
     metavar="QUANTITY=COLUMN",
     callback=columns_by_quantity,
-    help="Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
 )
-UNITS = click.option(
+UNITS = option(
+    "Unit of a column, as mm, deg, g, '0.005 mm'.",
     "--unit",
-    "units",
     multiple=True,
     metavar="QUANTITY=UNIT",
     callback=by_quantity,
-    help="Unit of a column, as mm, deg, g, '0.005 mm'.",
 )
-BAUD = click.option(
-    "--baud", type=click.IntRange(min=50), metavar="BAUD", help="Baud rate of the lines (115200)."
-)
+BAUD = option("Baud rate of the lines (115200).", "--baud", type=click.IntRange(min=50), metavar="BAUD")
 
 
-def release_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command what can be said of a release: mass, duration, rate, patience, specimen, operator, conditions."""
-    for option in (CONDITIONS, OPERATOR, SPECIMEN, PATIENCE, RATE, DURATION, MASS_STD, MASS):
-        command = option(command)
-    return command
+RELEASE = {
+    "mass": (float, MASS),
+    "mass_std": (float, MASS_STD),
+    "duration": (float, DURATION),
+    "rate": (float, RATE),
+    "patience": (float, PATIENCE),
+    "specimen": (str, SPECIMEN),
+    "operator": (str, OPERATOR),
+    "conditions": (tuple[str, ...], CONDITIONS),
+}
+"""What can be said of a release, for `declared`."""
 
 
-def new_session_option(text: str) -> Callable[..., Any]:
-    """Make the option `--session`, passed on as `folder`: where what is made goes, as the help `text` says."""
-    return click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help=text)
+def new_session_option(text: str) -> Any:
+    """Declare the option `--session`: where what is made goes, as the help `text` says."""
+    return option(text, "--session", metavar="FOLDER")

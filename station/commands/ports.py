@@ -2,16 +2,16 @@
 
 from typing import Any
 
-import click
-
-from station.output import json_option, print_json, say, screen
+from station.commands.options import JSON, argument, declared
+from station.output import print_json, say, screen
 from station.text.next_step import next_line
 
 
-@click.command("ports")
-@click.argument("ports", nargs=-1)
-@json_option
-def command(ports: tuple[str, ...], as_json: bool) -> None:
+@declared("ports")
+def command(
+    ports: tuple[str, ...] = argument(nargs=-1),
+    as_json: bool = JSON,
+) -> None:
     """List the serial ports, and which of them answer as a board.
 
     Further PORTS to ask may be named, as socket://HOST:PORT. A board may be

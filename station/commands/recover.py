@@ -2,20 +2,19 @@
 
 from typing import Any
 
-import click
-
-from station.commands.options import pass_settings
+from station.commands.options import JSON, argument, declared
 from station.exits import Answered, code_of
-from station.output import json_option, print_json, say, screen
+from station.output import print_json, say, screen
 from station.settings import Settings
 from station.text.next_step import next_line
 
 
-@click.command("recover")
-@click.argument("sessions", nargs=-1)
-@json_option
-@pass_settings
-def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> None:
+@declared("recover")
+def command(
+    settings: Settings,
+    sessions: tuple[str, ...] = argument(nargs=-1),
+    as_json: bool = JSON,
+) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
     An unsealed session is sealed: everything up to the last whole record is

@@ -5,9 +5,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect, pass_settings
+from station.commands.options import (
+    EFFECTS,
+    GAIN,
+    JSON,
+    MODEL,
+    NO_VIEWER,
+    SESSION,
+    declared,
+    known_effect,
+    option,
+)
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -15,40 +25,25 @@ if TYPE_CHECKING:
     from station.results.ladder import KeptLadder
 
 
-@click.command("refine")
-@SESSION
-@click.option(
-    "--add",
-    "added",
-    metavar="EFFECT",
-    callback=known_effect,
-    help='A name, or "magnet = a*u/(1+(u/b)**2)", or measured_curve.',
-)
-@click.option("--remove", "removed", metavar="EFFECT", help="Take an effect out of the model.")
-@click.option(
-    "--auto", is_flag=True, help="Add what is missing until the noise floor is reached; say why it stops."
-)
-@click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to step N.")
-@click.option("--reset", is_flag=True, help="Begin the ladder again.")
-@MODEL
-@EFFECTS
-@GAIN
-@NO_VIEWER
-@json_option
-@pass_settings
+@declared("refine")
 def command(
     settings: Settings,
-    session: str,
-    added: str | None,
-    removed: str | None,
-    auto: bool,
-    number: int | None,
-    reset: bool,
-    model_file: Path | None,
-    effects_file: Path | None,
-    gain_percent: float | None,
-    no_viewer: bool,
-    as_json: bool,
+    session: str = SESSION,
+    added: str | None = option(
+        'A name, or "magnet = a*u/(1+(u/b)**2)", or measured_curve.',
+        "--add",
+        metavar="EFFECT",
+        callback=known_effect,
+    ),
+    removed: str | None = option("Take an effect out of the model.", "--remove", metavar="EFFECT"),
+    auto: bool = option("Add what is missing until the noise floor is reached; say why it stops."),
+    number: int | None = option("Go back to step N.", "--to", type=click.IntRange(min=0), metavar="N"),
+    reset: bool = option("Begin the ladder again."),
+    model_file: Path | None = MODEL,
+    effects_file: Path | None = EFFECTS,
+    gain_percent: float | None = GAIN,
+    no_viewer: bool = NO_VIEWER,
+    as_json: bool = JSON,
 ) -> None:
     """Add an effect to the model of SESSION and watch the error fall.
 
@@ -63,6 +58,9 @@ def command(
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
+    from station.story.preparation import weighing_of
+    from station.text.ladder_text import told
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
@@ -77,15 +75,9 @@ def command(
         ladder = go_to(refinement, number)
     elif reset or model_file is not None or ladder.seen is None:
         ladder = write_ladder(opened, ladder)
-    if as_json:
-        print_json(ladder_document(opened, ladder))
-    else:
-        from station.story.preparation import weighing_of
-        from station.text.ladder_text import told
-        from station.text.layout import tell
-
-        weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
-        tell(told(ladder, weighing), *_next(opened, ladder), full=True)
+    weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
+    document = ladder_document(opened, ladder)
+    answer(as_json, document, told(ladder, weighing), *_next(opened, ladder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 

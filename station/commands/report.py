@@ -4,33 +4,27 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
-from station.output import json_option, print_json, progress, say
+from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
+from station.output import print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
 
+NO_FOLDER = click.Path(path_type=Path, dir_okay=False)
 
-@click.command("report")
-@SESSION
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Where to write it (default: results/report.html in the session).",
-)
-@MASS_INSTEAD
-@click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
-@click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
-@json_option
-@pass_settings
+
+@declared("report")
 def command(
     settings: Settings,
-    session: str,
-    output: Path | None,
-    mass: float | None,
-    diagnose: bool,
-    with_browser: bool,
-    as_json: bool,
+    session: str = SESSION,
+    output: Path | None = option(
+        "Where to write it (default: results/report.html in the session).",
+        type=NO_FOLDER,
+        metavar="FILE",
+    ),
+    mass: float | None = MASS_INSTEAD,
+    diagnose: bool = option("Diagnose first (takes some seconds)."),
+    with_browser: bool = option("Open it in the browser.", "--open"),
+    as_json: bool = JSON,
 ) -> None:
     """Write all that is known of SESSION into one HTML page.
 

@@ -4,24 +4,26 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import SESSIONS, pass_settings
+from station.commands.options import JSON, SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress
+from station.output import print_json, progress
 from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
+    from daq.session import Session
     from station.results.identification_document import IdentificationDocument
 
 FORMATS = ("text", "csv", "latex")
 
 
-@click.command("table")
-@SESSIONS
-@click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
-@json_option
-@pass_settings
-def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
+@declared("table")
+def command(
+    settings: Settings,
+    sessions: tuple[str, ...] = SESSIONS,
+    form: str = option("", "--format", type=click.Choice(FORMATS), default="text", show_default=True),
+    as_json: bool = JSON,
+) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
 
     Sessions are identified on the way. Angles and lengths do not go into one
@@ -29,23 +31,20 @@ def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: b
     """
     from identify.errors import NotIdentifiable
     from station.operations.identifying import identify_session, kept_options
+    from station.operations.session_set import of_each
     from station.results.sessions import open_session
     from station.text import table
 
-    documents: list[IdentificationDocument] = []
-    folders = []
-    for name in sessions:
-        session = open_session(name, settings.sessions)
-        try:
-            result, document = identify_session(session, kept_options(session, settings))
-        except NotIdentifiable as refusal:
-            progress(f"left out: {name}: {refusal}")
-            continue
+    def identified(session: "Session") -> "IdentificationDocument":
+        result, document = identify_session(session, kept_options(session, settings))
         if result.wavelet is None and result.restoring_force is None:
-            progress(f"left out: {name}: nothing identified")
-            continue
-        documents.append(document)
-        folders.append(session.folder)
+            raise NotIdentifiable("nothing identified")
+        return document
+
+    found, left_out = of_each([open_session(name, settings.sessions) for name in sessions], identified)
+    for name, why in left_out.items():
+        progress(f"left out: {name}: {why}")
+    documents, folders = [document for _, document in found], [session.folder for session, _ in found]
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
     if len({document.record.unit for document in documents}) > 1:

@@ -2,29 +2,20 @@
 
 from pathlib import Path
 
-import click
-
-from station.commands.options import EFFECTS, SESSIONS, VARIES, existing, pass_settings
-from station.output import json_option, print_json, progress
+from station.commands.options import EFFECTS, JSON, SESSIONS, VARIES, argument, declared, existing, option
+from station.output import progress
 from station.settings import Settings
 
 
-@click.command("validate")
-@click.argument("model", callback=existing("model file or session"))
-@SESSIONS
-@EFFECTS
-@VARIES
-@click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")
-@json_option
-@pass_settings
+@declared("validate")
 def command(
     settings: Settings,
-    model: str,
-    sessions: tuple[str, ...],
-    effects_file: Path | None,
-    varies: tuple[str, ...],
-    hold: bool,
-    as_json: bool,
+    model: str = argument(callback=existing("model file or session")),
+    sessions: tuple[str, ...] = SESSIONS,
+    effects_file: Path | None = EFFECTS,
+    varies: tuple[str, ...] = VARIES,
+    hold: bool = option("Hold the linear spring and the viscous part too."),
+    as_json: bool = JSON,
 ) -> None:
     """Say how well a model predicts sessions that it was not fitted to.
 
@@ -35,15 +26,12 @@ def command(
     The usual model predicts under the same rule.
     """
     from station.operations.validating import validate_sessions
+    from station.text.layout import answer
+    from station.text.validation_text import told
 
     document = validate_sessions(
         model, sessions, settings, effects_file, hold=hold, varies=varies, progress=progress
     )
-    if as_json:
-        print_json(document.plain())
-    else:
-        from station.text.layout import tell
-        from station.text.validation_text import told
-
-        better = document.verdict == "predicts_better"
-        tell(told(document), *(("report", sessions[0]) if better else ("diagnose", *sessions)))
+    better = document.verdict == "predicts_better"
+    step = ("report", sessions[0]) if better else ("diagnose", *sessions)
+    answer(as_json, document.plain(), told(document), *step)

@@ -1,19 +1,18 @@
 """`station verify`: does every file of a session still hold what was written?"""
 
-import click
-
-from station.commands.options import SESSIONS, pass_settings
+from station.commands.options import JSON, SESSIONS, declared
 from station.exits import STORAGE, Answered
-from station.output import json_option, print_json, say
+from station.output import print_json, say
 from station.settings import Settings
 from station.text.next_step import next_line
 
 
-@click.command("verify")
-@SESSIONS
-@json_option
-@pass_settings
-def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> None:
+@declared("verify")
+def command(
+    settings: Settings,
+    sessions: tuple[str, ...] = SESSIONS,
+    as_json: bool = JSON,
+) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
     from station.results.session_names import session_folder

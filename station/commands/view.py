@@ -3,27 +3,21 @@
 from pathlib import Path
 from typing import Any
 
-import click
-
-from station.commands.options import NO_VIEWER, SESSION, pass_settings
-from station.output import json_option, print_json, progress, say
+from station.commands.options import JSON, NO_VIEWER, SESSION, declared, option
+from station.output import print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
 
 
-@click.command("view")
-@SESSION
-@click.option(
-    "--screenshot",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Write a picture of every tab into DIR; needs no screen.",
-)
-@NO_VIEWER
-@json_option
-@pass_settings
+@declared("view")
 def command(
-    settings: Settings, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
+    settings: Settings,
+    session: str = SESSION,
+    screenshot: Path | None = option(
+        "Write a picture of every tab into DIR; needs no screen.", metavar="DIR"
+    ),
+    no_viewer: bool = NO_VIEWER,
+    as_json: bool = JSON,
 ) -> None:
     """Open SESSION in the viewer: capture, alignment, both methods, results,
     and the steps of its refinement.

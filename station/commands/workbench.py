@@ -4,25 +4,23 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import pass_settings
+from station.commands.options import argument, declared, option
 from station.output import progress
 from station.settings import Settings
 
 
-@click.command("workbench")
-@click.argument("sessions", nargs=-1, metavar="[SESSION]...")
-@click.option(
-    "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port (default: a free one)."
-)
-@click.option(
-    "--host",
-    default="127.0.0.1",
-    metavar="ADDRESS",
-    help="Let other computers in; whoever has the address with its token can use the page.",
-)
-@click.option("--no-browser", is_flag=True, help="Do not open the browser.")
-@pass_settings
-def command(settings: Settings, sessions: tuple[str, ...], port: int, host: str, no_browser: bool) -> None:
+@declared("workbench")
+def command(
+    settings: Settings,
+    sessions: tuple[str, ...] = argument(nargs=-1, metavar="[SESSION]..."),
+    port: int = option("Port (default: a free one).", type=click.IntRange(0, 65535), default=0, metavar="N"),
+    host: str = option(
+        "Let other computers in; whoever has the address with its token can use the page.",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+    ),
+    no_browser: bool = option("Do not open the browser."),
+) -> None:
     """Serve a page on which sessions are captured, compared, diagnosed and refined.
 
     SESSION is a session or a data file; without one the page offers those in

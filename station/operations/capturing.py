@@ -3,7 +3,6 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -15,15 +14,7 @@ from daq.port import Port
 from daq.session import Session
 from station.operations.new_session import new_folder
 from station.output import progress
-from station.text.capture_progress import Several, Watch
-
-
-@dataclass(frozen=True)
-class Screen:
-    """The live viewer, when there is one: `url` is where it listens."""
-
-    url: str | None
-    observers: tuple[CaptureObserver, ...]
+from station.text.capture_progress import Watch
 
 
 def record(
@@ -34,14 +25,14 @@ def record(
     Where the disk fails, the session goes into a new folder under `spare`, or where the operator says, at last into a
     temporary one (`is_temporary`), which is said.
     """
-    with live_screen(settings.rate_hz, with_viewer) as screen, Watch() as watch:
-        session = capture(port, settings, folder, Several((watch, *screen.observers)), another_place(spare))
+    with live_screen(settings.rate_hz, with_viewer) as (url, live), Watch(live) as watch:
+        session = capture(port, settings, folder, watch, another_place(spare))
     if is_temporary(session.folder):
         progress(
             f"the disk refused {folder}: the session lies in {session.folder}, a temporary folder;"
             " move it before this computer is restarted"
         )
-    return session, screen.url
+    return session, url
 
 
 def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] | None:
@@ -81,8 +72,8 @@ def _asked() -> Path | None:
 
 
 @contextlib.contextmanager
-def live_screen(rate: float, with_viewer: bool) -> Iterator[Screen]:
-    """Open a live viewer where one is wanted and a window can be opened."""
+def live_screen(rate: float, with_viewer: bool) -> Iterator[tuple[str | None, CaptureObserver | None]]:
+    """Open a live viewer where one is wanted and a window can be opened; give its URL and its observer."""
     if with_viewer:
         from station.views.viewer import has_screen
 
@@ -90,7 +81,7 @@ def live_screen(rate: float, with_viewer: bool) -> Iterator[Screen]:
             from station.views.live import LiveViewer
 
             with LiveViewer(rate) as live:
-                yield Screen(live.url, (live.view,))
+                yield live.url, live.view
                 return
         progress("no screen here: no live view")
-    yield Screen(None, ())
+    yield None, None

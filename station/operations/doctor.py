@@ -1,6 +1,5 @@
 """What `station doctor` looks at, one function a subject; each yields findings: PASS, WARN or FAIL, and the remedy."""
 
-import importlib.metadata
 import os
 import platform
 import shutil
@@ -8,7 +7,9 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 
@@ -18,13 +19,11 @@ from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.errors import StationError
 from daq.ports import list_ports
 from daq.recording import Recording
-from daq.wiring_check import large_motion, suspicions
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
 SPACE_MB = (50, 1000)
 SLOW_SYNC_S = 0.25  # what the raw log promises to be behind at most
 LATENCY_MS = 16
-MOVES = 20.0  # times the noise
 
 
 class Grade(StrEnum):
@@ -47,7 +46,8 @@ class Finding:
 
 def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator[Finding]:
     """Check the computer, and a port with its board: the one that is named, or each on which a board answers."""
-    yield from _versions()
+    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
+    yield Finding(Grade.PASS, "packages", ", ".join(f"{name} {version(name)}" for name in PACKAGES))
     yield from _disk(sessions)
     if port:
         yield from _board(port, rate, seconds)
@@ -64,56 +64,28 @@ def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> It
             yield Finding(Grade.WARN, "port", candidate.problem, remedy)
 
 
-def _versions() -> Iterator[Finding]:
-    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
-    found, missing = [], []
-    for name in PACKAGES:
-        try:
-            found.append(f"{name} {importlib.metadata.version(name)}")
-        except importlib.metadata.PackageNotFoundError:
-            missing.append(name)
-    if missing:
-        remedy = "install the station again: pip install ."
-        yield Finding(Grade.FAIL, "packages", f"missing: {', '.join(missing)}", remedy)
-    else:
-        yield Finding(Grade.PASS, "packages", ", ".join(found))
-
-
 def _disk(sessions: Path) -> Iterator[Finding]:
-    """Check space and sync time where sessions will be written; writes one small file and removes it."""
+    """Check space and sync time where sessions will be written; writes one small file, which is removed."""
     folder = next(p for p in (sessions, *sessions.absolute().parents) if p.is_dir())
     free = shutil.disk_usage(folder).free / 1e6
     grade = Grade.FAIL if free < SPACE_MB[0] else Grade.WARN if free < SPACE_MB[1] else Grade.PASS
     yield Finding(grade, "disk space", f"{free:,.0f} MB free in {folder}", "make room, or use another disk")
-    try:
-        slowest = _sync_time(folder)
-    except OSError as error:
-        remedy = "choose another folder for the sessions, or mend its permissions"
-        yield Finding(Grade.FAIL, "disk", f"{folder} cannot be written: {error.strerror}", remedy)
-        return
-    grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
-    yield Finding(
-        grade,
-        "disk sync",
-        f"{slowest * 1e3:.1f} ms for the slowest of 5 writes",
-        "use a local disk for the sessions",
-    )
-
-
-def _sync_time(folder: Path) -> float:
-    file = folder / f".doctor-{os.getpid()}"
     slowest = 0.0
     try:
-        with file.open("xb") as stream:
+        with TemporaryFile(dir=folder) as stream:
             for _ in range(5):
                 stream.write(bytes(4096))
                 stream.flush()
                 began = time.perf_counter()
                 os.fsync(stream.fileno())
                 slowest = max(slowest, time.perf_counter() - began)
-    finally:
-        file.unlink(missing_ok=True)
-    return slowest
+    except OSError as error:
+        remedy = "choose another folder for the sessions, or mend its permissions"
+        yield Finding(Grade.FAIL, "disk", f"{folder} cannot be written: {error.strerror}", remedy)
+        return
+    grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
+    found = f"{slowest * 1e3:.1f} ms for the slowest of 5 writes"
+    yield Finding(grade, "disk sync", found, "use a local disk for the sessions")
 
 
 def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
@@ -151,7 +123,6 @@ def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
     )
     yield from _levels(recording)
     yield _rate(sample)
-    yield from _wiring(recording)
 
 
 def _noise(samples: np.ndarray) -> float:
@@ -183,35 +154,3 @@ def _rate(sample: BoardSample) -> Finding:
     text = f"{stated:g} Hz by the board, {clock.rate:.2f} ± {clock.std:.2f} Hz by this computer"
     off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, SIGMAS * clock.std / stated)
     return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
-
-
-def _wiring(recording: Recording) -> Iterator[Finding]:
-    x, a = recording.channel("displacement"), recording.channel("acceleration")
-    if x is None or a is None:
-        return
-    x, a = x[recording.valid], a[recording.valid]
-    if not (np.ptp(x) and np.ptp(a)):
-        return
-    start = _swinging_from(x)
-    if start is None or np.ptp(a) < MOVES * _noise(a):
-        remedy = "swing it and run `station doctor --seconds 10`"
-        yield Finding(Grade.WARN, "wiring", "not checked: the mass is at rest", remedy)
-        return
-    found = suspicions(x[start:], a[start:], recording.rate)
-    for suspicion in found:
-        grade = Grade.FAIL if suspicion.certain else Grade.WARN
-        yield Finding(grade, "wiring", suspicion.reason, suspicion.advice)
-    if not found:
-        yield Finding(Grade.PASS, "wiring", "displacement and acceleration agree in sign, scale and channel")
-
-
-def _swinging_from(x: np.ndarray) -> int | None:
-    """Find where x first goes to the other side of its middle in a swing, None when it does not swing."""
-    centred = x - x[-len(x) // 8 :].mean()
-    if np.ptp(x) < MOVES * _noise(x):
-        return None
-    big, crossings = large_motion(centred)
-    if crossings < 4:
-        return None
-    signs = np.sign(centred[big])
-    return int(big[np.flatnonzero(signs[1:] != signs[:-1])[0]])

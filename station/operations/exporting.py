@@ -10,7 +10,6 @@ from daq.recording import Recording
 from daq.session import Session
 from daq.storage import write_whole
 from identify.errors import NotIdentifiable
-from identify.formatting import with_error
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.signal.fractional_delay import read_at_shift
@@ -21,24 +20,25 @@ from station.story.preparation import free_decay, options_for
 _MOVED = ("displacement", "velocity")
 
 
-def exported_session(session: Session, settings: Settings, *, aligned: bool = True) -> tuple[Exported, str]:
-    """Gather what goes into the file, and a sentence on the channels' clock.
+def exported_session(session: Session, settings: Settings, *, aligned: bool = True) -> Exported:
+    """Gather what goes into the file; its fact `channels` says on which clock the channels are.
 
     With `aligned` the displacement (or velocity) is moved earlier by its lag behind the acceleration, where a lag can
     be estimated; values are not rescaled otherwise.
     """
     recording = session.recording()
-    facts = facts_of(session)
+    facts = facts_of(session) | {"channels": "as recorded"}
     if not aligned:
-        return Exported(recording, facts | {"channels": "as recorded"}), "The channels are as recorded."
+        return Exported(recording, facts)
     try:
         found = locate_and_align(free_decay(recording, options_for(session, settings)))
     except NotIdentifiable as refusal:
-        said = f"The channels are as recorded, for they could not be aligned: {refusal}"
-        return Exported(recording, facts | {"channels": "as recorded, not aligned"}), said
+        return Exported(
+            recording, facts | {"channels": f"as recorded, for they could not be aligned: {refusal}"}
+        )
     facts["release_s"] = f"{found.release.time_s:.6g}"
     if found.alignment is None:
-        return Exported(recording, facts | {"channels": "as recorded"}), f"As recorded: {found.not_aligned}"
+        return Exported(recording, facts | {"channels": f"as recorded: {found.not_aligned}"})
     moved, name = _moved(recording, found.alignment)
     lag = found.alignment.lag
     facts |= {
@@ -47,8 +47,7 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
         "lag_std_s": f"{lag.std:.3g}",
         "gain_of_the_acceleration": f"{found.alignment.gain.value:.9g} (estimated, not applied)",
     }
-    said = f"The {name} was moved earlier by its lag of {with_error(lag.value * 1e6, lag.std * 1e6)} us."
-    return Exported(moved, facts), said
+    return Exported(moved, facts)
 
 
 def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool) -> int:

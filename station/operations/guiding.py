@@ -17,13 +17,11 @@ from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.diagnosing import keep
-from station.operations.provisional import Provisional
 from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
-from station.text.capture_progress import Several
 
 RIG = ("--holder=-25,25", "--releases=20")
 """Of the simulated board: between which displacements (mm) it holds the mass, and at which what it hides has its size."""
@@ -44,9 +42,6 @@ class Watcher(Protocol):
 
     def observer(self) -> CaptureObserver:
         """Return who watches the capture."""
-
-    def provisional(self, answer: str) -> None:
-        """A first answer while the decay is still running."""
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """A release was judged together with all before."""
@@ -78,18 +73,18 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
     while not told.over and not cancelled():
         assert told.experiment is not None
         watcher.asks(len(turns) + 1, told)
-        session, answer = _record(test, told.experiment, len(turns) + 1, decays, before, watcher)
+        session = _record(test, told.experiment, len(turns) + 1, watcher)
         began = time.monotonic()
         turn = {
             "session": session.folder.name,
             "asked": told.words,
             "amplitude": told.experiment.amplitude,
             "unit": "m",
-            "provisional": answer,
         }
         document = None
-        if rejected := _why_rejected(session):
-            turn["problem"] = rejected
+        verdict = session.verdict
+        if verdict is not None and verdict.grade is Grade.REJECT:
+            turn["problem"] = rejected = f"the recording was rejected: {'; '.join(verdict.reasons)}"
             told = _again(told, rejected, [one.problem for one in turns])
         else:
             try:
@@ -118,35 +113,13 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
     return _keep(test, turns, told)
 
 
-def _record(
-    test: GuidedTest,
-    experiment: Experiment,
-    number: int,
-    decays: tuple[PreparedDecay, ...],
-    before: Diagnosis | None,
-    watcher: Watcher,
-) -> tuple[Session, str]:
+def _record(test: GuidedTest, experiment: Experiment, number: int, watcher: Watcher) -> Session:
     wanted = replace(
         test.capture,
         duration_s=test.capture.duration_s * experiment.longer,
         release_from=experiment.amplitude if test.alone else None,
     )
-    hypotheses = () if before is None else before.hypotheses
-    provisional = Provisional(decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional)
-    folder = test.folder / f"release_{number}"
-    try:
-        session = capture(test.port, wanted, folder, Several((watcher.observer(), provisional)))
-    finally:
-        provisional.close()
-    return session, provisional.answer
-
-
-def _why_rejected(session: Session) -> str:
-    """Say why a recording is not good enough to be judged; "" where it is."""
-    verdict = session.verdict
-    if verdict is None or verdict.grade is not Grade.REJECT:
-        return ""
-    return f"the recording was rejected: {'; '.join(verdict.reasons)}"
+    return capture(test.port, wanted, test.folder / f"release_{number}", watcher.observer())
 
 
 def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:

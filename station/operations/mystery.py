@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.text import Text
 
 from daq.session import Session
-from identify.formatting import decimals_for, plain_name
+from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
@@ -23,18 +23,16 @@ from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
-from station.output import print_json, progress, say, screen
+from station.output import progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
 from station.settings import Settings
-from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
-from station.text.content import Part, Table, facts
-from station.text.layout import show, show_parts
-from station.text.next_step import next_line
-from station.text.numbers import DASH, typeset, with_unit
+from station.text.content import Table, Told, Tone, facts
+from station.text.layout import answer, show
+from station.text.numbers import typeset, with_unit
 
 SEEDS = 1000
 BOARD = "mocks.mystery"
@@ -66,7 +64,6 @@ def play(
     settings: Settings,
     seed: int | None,
     speed: float,
-    pty: bool,
     folder: Path | None,
     no_viewer: bool,
     as_json: bool,
@@ -80,11 +77,9 @@ def play(
         "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
         "know which. It records one release to find out.",
     )
-    solved, url = solve(settings, chosen, speed, pty, folder, no_viewer, console)
-    if as_json:
-        print_json(_document(solved))
-    else:
-        _reveal(console, solved)
+    solved, url = solve(settings, chosen, speed, folder, no_viewer, console)
+    _say(console, "4. WHAT WAS HIDDEN: it is read only now")
+    answer(as_json, _document(solved), revealed(solved), "report", solved.session.folder)
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 
@@ -97,7 +92,6 @@ def solve(
     settings: Settings,
     seed: int,
     speed: float,
-    pty: bool,
     folder: Path | None,
     no_viewer: bool,
     console: Console,
@@ -105,12 +99,13 @@ def solve(
     """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, url, envelope = record_simulated(wanted, seed, speed, pty, where, not no_viewer, BOARD)
+    session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
     sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)
-    show(console, replace(comparison_text.told(compared), brief=places(compared)))
+    worst = [(f"{one.significance:.0f} sigma", typeset(one.text)) for one in compared.comparison.places[:1]]
+    show(console, replace(comparison_text.told(compared), brief=facts(worst)))
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
@@ -131,7 +126,7 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
-    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, False, module=BOARD)
+    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, module=BOARD)
     return dict(json.loads(envelope))
 
 
@@ -142,19 +137,20 @@ def hidden_words(truth: dict[str, Any]) -> str:
     return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
 
 
-def _reveal(console: Console, solved: Solved) -> None:
-    _say(console, "4. WHAT WAS HIDDEN: it is read only now")
-    console.print(Padding(Text(hidden_words(solved.truth), style="bold"), (0, 1)))
-    show_parts(console, [_side_by_side(solved)])
-    console.print(Padding(_verdict(solved), (0, 1)))
-    for line in (next_line("report", solved.session.folder), " another: station demo --mystery"):
-        say(line)
-
-
-def places(compared: Compared) -> tuple[Part, ...]:
-    """Tell where a model fails most."""
-    worst = compared.comparison.places[:1]
-    return facts((f"{place.significance:.0f} sigma", typeset(place.text)) for place in worst)
+def revealed(solved: Solved) -> Told:
+    """Tell what was hidden, and whether it was found."""
+    hidden, left = plain_name(solved.truth["hidden"]), solved.ladder.top.error.words
+    tone: Tone = "good" if solved.right else "bad" if solved.found else "unsure"
+    if solved.right:
+        said = f"FOUND: {hidden} was named, and the model now leaves {left}."
+    elif solved.found:
+        said = f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {hidden}."
+        if solved.truth["hidden"] in solved.diagnosis.suspects[0].confusable_with:
+            said += " The diagnosis does say that the two are easily confused."
+    else:
+        verdict = solved.diagnosis.verdict.replace("_", " ")
+        said = f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there."
+    return Told(said, tone, (*facts([("hidden", hidden_words(solved.truth))]), _side_by_side(solved)))
 
 
 def _side_by_side(solved: Solved) -> Table:
@@ -178,26 +174,6 @@ def _side_by_side(solved: Solved) -> Table:
         hidden = f"{value:.5g}" if not estimate.std else f"{value:.{decimals_for(estimate.std)}f}"
         rows.append((name, hidden, with_unit(estimate)))
     return Table("", ("", "hidden", "found"), tuple(rows))
-
-
-def _verdict(solved: Solved) -> Text:
-    hidden, left = solved.truth["hidden"], solved.ladder.top.error.words
-    if solved.right:
-        return Text(
-            f"FOUND: {plain_name(hidden)} was named, and the model now leaves {left}.",
-            style="bold green",
-        )
-    if solved.found:
-        rivals = solved.diagnosis.suspects[0].confusable_with
-        warned = " The diagnosis does say that the two are easily confused." if hidden in rivals else ""
-        return Text(
-            f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {plain_name(hidden)}.{warned}",
-            style="bold red",
-        )
-    verdict = solved.diagnosis.verdict.replace("_", " ")
-    return Text(
-        f"NOT NAMED: the verdict was '{verdict}', and {plain_name(hidden)} was there.", style="bold yellow"
-    )
 
 
 def _document(solved: Solved) -> dict[str, Any]:

@@ -83,7 +83,7 @@ def _release_from(text: str | None) -> float | None:
 
 
 def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSettings:
-    """Say how to capture by the options of a command that has `release_options`, else by the settings."""
+    """Say how to capture by the options of a command that has the options of RELEASE, else by the settings."""
     of_the_test = ("mass", "mass_std", "specimen", "operator", "conditions")
     info = session_info(settings, **{name: given[name] for name in of_the_test})
     return capture_settings(settings, info, **given)

@@ -36,8 +36,6 @@ from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
 Seen = Callable[[KeptLadder, str], None]
 
-MOST_FITTED = 12
-
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
@@ -108,14 +106,8 @@ def step_again(refinement: Refinement, step: KeptStep) -> Step:
     if found is None:
         known = known_model(step.model, "the ladder", refinement.library)
         found = first_step((refinement.prepared,), known.model, known.values | step.nuisances)
-        _remember(refinement, step, found)
+        refinement.fitted[to_text(step.model)] = found
     return found
-
-
-def _remember(refinement: Refinement, step: KeptStep, found: Step) -> None:
-    while len(refinement.fitted) >= MOST_FITTED:
-        del refinement.fitted[next(iter(refinement.fitted))]
-    refinement.fitted[to_text(step.model)] = found
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
@@ -137,16 +129,24 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
         effect, line = curve_of_rest(top.baseline, next(name for name in names if name not in top.effects))
         expressions = (*expressions, line)
     elif "=" in wanted:
-        effect = _parsed(wanted, refinement.library)
+        try:
+            effect = parsed_effect(wanted)
+        except ValueError as error:
+            raise UsageProblem(str(error)) from error
+        if any(effect.name == other.name for other in refinement.library):
+            raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
         expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
     else:
-        effect = _found(wanted, refinement.library)
+        try:
+            effect = find_effect(wanted, refinement.library)
+        except KeyError as error:
+            raise no_such_effect(wanted, [effect.name for effect in refinement.library]) from error
     try:
         step = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
     kept = kept_step(step, expressions)
-    _remember(refinement, kept, step)
+    refinement.fitted[to_text(kept.model)] = step
     return kept, _added(step, effect.name, top)
 
 
@@ -250,20 +250,3 @@ def _manual(step: Step, done: str) -> str:
     if step.at_floor:
         return f"{done}; the noise floor is reached"
     return f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}"
-
-
-def _found(name: str, library: tuple[Effect, ...]) -> Effect:
-    try:
-        return find_effect(name, library)
-    except KeyError as error:
-        raise no_such_effect(name, [effect.name for effect in library]) from error
-
-
-def _parsed(text: str, library: tuple[Effect, ...]) -> Effect:
-    try:
-        effect = parsed_effect(text)
-    except ValueError as error:
-        raise UsageProblem(str(error)) from error
-    if any(effect.name == other.name for other in library):
-        raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
-    return effect

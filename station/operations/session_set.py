@@ -1,7 +1,8 @@
 """The sessions that the operator named."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from daq.session import Session
 from identify.errors import NotIdentifiable
@@ -15,6 +16,8 @@ from station.settings import Settings
 from station.suggestions import did_you_mean
 
 MOST_SESSIONS = 12
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +53,11 @@ def open_sessions(
     if len(arguments) > MOST_SESSIONS:
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
     sessions = opened_once(arguments, settings)
-    ready: list[tuple[Session, PreparedDecay]] = []
-    left_out: dict[str, str] = {}
     several = len(sessions) > 1
-    for session in sessions:
-        try:
-            decay = prepare_with_floor(session, settings, gain_percent, beside_others=several)
-            ready.append((session, decay))
-        except NotIdentifiable as refusal:
-            if not several:
-                raise
-            left_out[session.folder.name] = str(refusal).removeprefix(f"{session.folder.name}: ")
+    ready, left_out = of_each(
+        sessions,
+        lambda session: prepare_with_floor(session, settings, gain_percent, beside_others=several),
+    )
     if not ready:
         raise NotIdentifiable("; ".join(f"{name}: {why}" for name, why in left_out.items()))
     if several and len(ready) == 1:  # alone after all, by the rule for one
@@ -73,6 +70,20 @@ def open_sessions(
     if len(decays) > 1:
         decays = changed_on_purpose(decays, varies)
     return SessionSet(sessions, decays, varies, left_out)
+
+
+def of_each(
+    sessions: Iterable[Session], act: Callable[[Session], Result]
+) -> tuple[list[tuple[Session, Result]], dict[str, str]]:
+    """Do something with each session; return what came of it, and why sessions hold too little for it, by their names."""
+    done: list[tuple[Session, Result]] = []
+    left_out: dict[str, str] = {}
+    for session in sessions:
+        try:
+            done.append((session, act(session)))
+        except NotIdentifiable as refusal:
+            left_out[session.folder.name] = str(refusal).removeprefix(f"{session.folder.name}: ")
+    return done, left_out
 
 
 def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, ...]:

@@ -25,46 +25,37 @@ MASS_KG = 21.36
 
 
 @contextlib.contextmanager
-def simulated_board(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks") -> Iterator[str]:
+def simulated_board(seed: int, speed: float, *more: str, module: str = "mocks") -> Iterator[str]:
     """Start the simulated board, give the name of its port, and end it afterwards."""
-    line = ["--pty"] if pty else ["--tcp", "0"]
-    arguments = [*line, "--seed", str(seed), "--speed", f"{speed:g}", *more]
-    process = subprocess.Popen(
+    arguments = ["--tcp", "0", "--seed", str(seed), "--speed", f"{speed:g}", *more]
+    with subprocess.Popen(
         [sys.executable, "-m", module, *arguments],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )
-    assert process.stdout is not None
-    try:
-        first = process.stdout.readline().strip()
-        if not first.startswith("port: "):
-            process.kill()
-            complaint = process.communicate()[1].strip().splitlines()
-            raise Problem(
-                f"the simulated board did not start: {complaint[-1] if complaint else 'it gave no reason'}"
-            )
-        yield first.removeprefix("port: ")
-    finally:
-        process.terminate()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=5)
-        if process.poll() is None:
-            process.kill()
-            process.wait()
-        for stream in (process.stdin, process.stdout, process.stderr):
-            if stream is not None:
-                stream.close()
+    ) as process:
+        try:
+            assert process.stdout is not None
+            first = process.stdout.readline().strip()
+            if not first.startswith("port: "):
+                process.kill()
+                complaint = process.communicate()[1].strip().splitlines()
+                raise Problem(
+                    f"the simulated board did not start: {complaint[-1] if complaint else 'it gave no reason'}"
+                )
+            yield first.removeprefix("port: ")
+        finally:
+            process.terminate()
 
 
 def on_simulated(
-    act: Callable[[str], Done], seed: int, speed: float, pty: bool, *more: str, module: str = "mocks"
+    act: Callable[[str], Done], seed: int, speed: float, *more: str, module: str = "mocks"
 ) -> tuple[Done, str]:
     """Do something at the port of the simulated board; return what came of it, and how the board was made, as JSON."""
     with TemporaryDirectory() as temporary:
         envelope = Path(temporary) / "truth.json"
-        with simulated_board(seed, speed, pty, *more, "--truth", str(envelope), module=module) as port:
+        with simulated_board(seed, speed, *more, "--truth", str(envelope), module=module) as port:
             done = act(port)
         return done, envelope.read_text(encoding="utf-8")
 
@@ -79,7 +70,6 @@ def record_simulated(
     wanted: CaptureSettings,
     seed: int,
     speed: float,
-    pty: bool,
     folder: Path,
     with_viewer: bool,
     module: str = "mocks",
@@ -93,5 +83,5 @@ def record_simulated(
         progress(f"a simulated board answers at {port}")
         return record(port, wanted, folder, with_viewer)
 
-    (session, url), made_of = on_simulated(act, seed, speed, pty, module=module)
+    (session, url), made_of = on_simulated(act, seed, speed, module=module)
     return session, url, made_of

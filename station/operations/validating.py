@@ -10,11 +10,12 @@ from identify.errors import NotIdentifiable
 from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.parameter_layout import in_unit
 from identify.fitting.validation import Validated, validate
+from identify.formatting import three_figures
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
-from station.operations.session_set import declared, opened_once
+from station.operations.session_set import declared, of_each, opened_once
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import write_document
@@ -25,7 +26,6 @@ from station.results.validation_document import NAME, ValidationDocument, valida
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.story.preparation import prepare_session
-from station.text.numbers import three_figures
 
 OWN = "the model was fitted to it"
 
@@ -126,25 +126,20 @@ def _prepared(
 ) -> tuple[list[tuple[Session, PreparedDecay]], dict[str, str]]:
     """Return the sessions that can be predicted, prepared, and why others cannot."""
     own = {session.folder.resolve() for session in given.fitted_to}
-    ready: list[tuple[Session, PreparedDecay]] = []
-    skipped: dict[str, str] = {}
-    for session in opened:
-        name = session.folder.name
+
+    def prepared(session: Session) -> PreparedDecay:
         if session.folder.resolve() in own:
-            skipped[name] = OWN
-        else:
-            try:
-                decay = prepare_session(session, settings)
-            except NotIdentifiable as refusal:
-                skipped[name] = str(refusal).removeprefix(f"{name}: ")
-            else:
-                _check_suits(given, name, decay)
-                ready.append((session, decay))
-                continue
-        progress(f"{name} is skipped: {skipped[name]}")
+            raise NotIdentifiable(OWN)
+        decay = prepare_session(session, settings)
+        _check_suits(given, session.folder.name, decay)
+        return decay
+
+    ready, skipped = of_each(opened, prepared)
+    for name, why in skipped.items():
+        progress(f"{name} is skipped: {why}")
+    if not ready and set(skipped.values()) == {OWN}:
+        raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
     if not ready:
-        if set(skipped.values()) == {OWN}:
-            raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
         raise NotIdentifiable(
             f"no session can be predicted: {'; '.join(f'{n}: {r}' for n, r in skipped.items())}"
         )

@@ -3,13 +3,14 @@
 import re
 
 from identify.fitting.fit import Fit
+from identify.formatting import SPACE, with_error
 from station.report.findings import Findings
 from station.story.compared import Compared
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence
-from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
+from station.text.numbers import typeset, typeset_unit
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
 FAR = 4.0
@@ -77,7 +78,7 @@ def _numbers(fit: Fit, right: str) -> str:
 
 
 def _typeset_equation(text: str) -> str:
-    raised = re.sub(r"mu_(\d)", lambda found: typeset_symbol(found.group(0)), typeset(text))
+    raised = re.sub(r"mu_(\d)", lambda found: typeset(found.group(0)), typeset(text))
     return raised.replace("u''", "ü", 1)
 
 
@@ -88,6 +89,6 @@ def _parameters(fit: Fit) -> Table:
         for name, value in fit.of(term, 0).items():
             unit = typeset_unit(value.unit) or "1"
             number = with_error(value.value, value.std)
-            rows.append((term.effect.name, typeset_symbol(name), meanings[name], number, unit))
+            rows.append((term.effect.name, typeset(name), meanings[name], number, unit))
     head = ("effect", "parameter", "meaning", "value", "unit")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)

@@ -3,7 +3,7 @@
 from datetime import UTC
 
 from identify.fitting.fit import Fit
-from identify.formatting import decimals_for, plain_name
+from identify.formatting import DASH, decimals_for, plain_name, three_figures, with_error
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.budget import budget, calibration_of
@@ -11,7 +11,7 @@ from station.story.engineering_values import engineering_values
 from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import DASH, three_figures, typeset_unit, with_error
+from station.text.numbers import typeset_unit
 from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"

@@ -1,13 +1,8 @@
 """The documents at the end of a guided test: one report, and one campaign of all its releases."""
 
-from types import SimpleNamespace
-
 from daq.session import Session
 from daq.storage import write_whole
-from station.campaign.kept import Kept
-from station.campaign.local_crew import LocalCrew
-from station.campaign.run import Request
-from station.campaign.sources import FOLDER, find_sources
+from station.campaign.sources import FOLDER, Request, find_sources
 from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest
 from station.report.write import NAME as REPORT
@@ -23,13 +18,12 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
     judged = [turn for turn in document.turns if turn.verdict]
     if not judged:
         return document
-    kept = Kept(test.folder / FOLDER)
+    kept = test.folder / FOLDER
     sources = find_sources((str(test.folder),), test.settings)
-    unseen = dict.fromkeys(("kept", "done", "failed"), lambda *_: None)  # the table has the reasons
-    campaign(sources, Request(test.settings), LocalCrew(1), kept, SimpleNamespace(**unseen))
+    campaign(sources, Request(test.settings), kept, workers=0)
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
     report = write_report(session, test.folder / REPORT, settings=test.settings)
-    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
+    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept)})
     write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
     return whole

@@ -31,7 +31,7 @@ def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
             comparison_figures.cycles(compared.comparison, look),
         ),
     )
-    return (*words.brief, *words.more[:-1], *figures, *words.more[-1:])
+    return (*words.brief, *words.more, *figures)
 
 
 def suspects(found: Findings) -> list[Part]:

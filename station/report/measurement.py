@@ -5,13 +5,14 @@ from datetime import UTC
 from importlib.metadata import PackageNotFoundError, version
 
 from daq.recording import Channel
+from identify.formatting import three_figures, with_error
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
-from station.text.numbers import scale, three_figures, typeset_unit, with_error
+from station.text.numbers import scale, typeset_unit
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
 

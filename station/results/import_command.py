@@ -18,7 +18,7 @@ def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> Usa
     command = shlex.join(["station", "import", str(file), *words])
     proposal = refusal.proposal
     said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
-    where = "These are options of `station import`, and --ask shows the columns there"
+    where = "These are options of `station import`, and --ask opens the recipe there"
     return UsageProblem(f"{refusal}. {where}. To read it as proposed, type: {command}", **said)
 
 

@@ -14,8 +14,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.model_error import errors_of
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name
-from identify.model.model import Model, model_of_orders
-from identify.preprocessing.fit_window import FitWindow
+from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -61,25 +60,15 @@ class Adequacy:
         return not self.doubt and self.adequate and self.sigmas <= FAR_APART
 
 
-def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
-    """Make the model of an identification, with the orders that either method needs; None without any."""
-    found = [method for method in (wavelet, restoring_force) if method is not None]
-    return model_of_orders(*needed_orders(found)) if found else None
-
-
 def needed_orders(methods: Sequence[Method]) -> tuple[int, tuple[int, ...]]:
     """Return the order of damping and the orders of stiffness that either method needs."""
     stiffness = {
         order
         for method in methods
         for order, value in method.stiffness_by_order.items()
-        if _sure(order, value)
+        if order == 1 or abs(value.value) > FAR_APART * value.std
     }
     return max(method.order for method in methods), tuple(sorted(stiffness | {1}))
-
-
-def _sure(order: int, value: Estimate) -> bool:
-    return order == 1 or abs(value.value) > FAR_APART * value.std
 
 
 def recording_doubt(manifest: Manifest) -> str:
@@ -101,6 +90,8 @@ def adequacy(
     baseline = fit_baseline(segments_of(prepared), model)
     error = errors_of(baseline)
     apart, sigmas = farthest(methods)
+    off = (prepared.window.rate_std or 0.0) / prepared.window.rate
+    of_clock = "" if off <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * off:.2g} %"
     return Adequacy(
         baseline.stated(baseline.fit),
         error.chi_square,
@@ -109,14 +100,8 @@ def adequacy(
         baseline.at_floor,
         apart,
         sigmas,
-        doubt or _doubt_of_clock(prepared.window),
+        doubt or of_clock,
     )
-
-
-def _doubt_of_clock(window: FitWindow) -> str:
-    """Say by how much the sampling rate may be off where that is too much to quote; "" where the rate is taken as exact."""
-    share = (window.rate_std or 0.0) / window.rate
-    return "" if share <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * share:.2g} %"
 
 
 def farthest(methods: Sequence[Method]) -> tuple[str, float]:

@@ -66,7 +66,8 @@ def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
     if frequency <= 0.0 or len(filled) * frequency / decay.rate < FEWEST_PERIODS:
         return None
     period = max(2, round(decay.rate / frequency))
-    return _amplitude(filled, period), period
+    span: Array = running_maximum(filled, period) - running_minimum(filled, period)
+    return 0.5 * span, period
 
 
 def _goes_on(amplitude: Array, largest: float) -> bool:
@@ -75,8 +76,3 @@ def _goes_on(amplitude: Array, largest: float) -> bool:
         return True
     end, before = float(amplitude[-1]), float(amplitude[2 * len(amplitude) // 3])
     return end > DECAYED * largest or (end > LEFT * largest and end > 0.9 * before)
-
-
-def _amplitude(values: Array, period: int) -> Array:
-    span: Array = 0.5 * (running_maximum(values, period) - running_minimum(values, period))
-    return span

@@ -22,7 +22,7 @@ from identify.fitting.initial_values import initial_values
 from identify.fitting.segments import segments_of
 from identify.fitting.validation import LeftOut, leave_one_out
 from identify.free_decay import FreeDecay
-from identify.model.model import Model, base_model
+from identify.model.model import Model, base_model, model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import (
@@ -31,7 +31,7 @@ from identify.restoring_force.restoring_force import (
     identify_restoring_force_as_recorded,
 )
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
-from station.story.adequacy import adequacy, identified_model, needed_orders
+from station.story.adequacy import adequacy, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.preparation import Options, locate
@@ -128,8 +128,10 @@ def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = 
     `doubt` is what the verdict on the recording holds against its values.
     """
     methods = [method for method in (result.wavelet, result.restoring_force) if method is not None]
-    model = identified_model(result.wavelet, result.restoring_force)
-    return result if model is None else replace(result, adequacy=adequacy(prepared, model, methods, doubt))
+    if not methods:
+        return result
+    model = model_of_orders(*needed_orders(methods))
+    return replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
 def compare(

@@ -7,71 +7,47 @@ from typing import Any
 from station.results.campaign_document import CampaignDocument, CampaignRow
 
 ERRORS = ("chi2", "chi2_std", "motion_percent", "chi2_named", "motion_percent_named")
+TREND = ("parameter", "against", "slope", "std", "unit", "p_value", "sure", "sessions", "left_out")
 LEADING = "=+-@\t\r"
 
 SESSIONS, TRENDS = "sessions.csv", "trends.csv"
 
 
 def sessions_csv(document: CampaignDocument) -> str:
-    """Return every session with what is known of it, its errors, its verdict, and every parameter with its error."""
+    """Write every session with what is known of it, its errors, its verdict, and every parameter with its error."""
     conditions = list(dict.fromkeys(key for row in document.rows for key in row.conditions))
-    parameters = list(
-        dict.fromkeys((name, e.unit) for row in document.rows for name, e in row.result.parameters.items())
-    )
-    columns = [("session", ""), ("made", ""), *((key, "") for key in conditions), ("amplitude", "")]
-    header = [_heading(name, unit) for name, unit in columns] + [
-        "amplitude unit",
-        *ERRORS,
-        "verdict",
-        "named",
-    ]
-    for name, unit in parameters:
-        header += [_heading(name, unit), _heading(f"{name} std", unit)]
-    header.append("failed")
-    lines = [_line(row, conditions, parameters) for row in document.rows]
-    blank = len(header) - 2
-    lines += [[_text(one.session), *([""] * blank), _text(one.reason)] for one in document.failed]
-    return _written(header, lines)
+    rows = [_cells(row, conditions) for row in document.rows]
+    rows += [{"session": one.session, "failed": one.reason} for one in document.failed]
+    columns = dict.fromkeys(column for row in rows for column in row if column != "failed")
+    return _written([*columns, "failed"], rows)
 
 
 def trends_csv(document: CampaignDocument) -> str:
-    """Return every trend that was looked for, the likeliest first."""
-    header = ["parameter", "against", "slope", "std", "unit", "p_value", "sure", "sessions", "left_out"]
-    found = [[getattr(trend, name) for name in header] for trend in document.trends]
+    """Write every trend that was looked for, the likeliest first."""
     return _written(
-        header, [[_text(cell) if isinstance(cell, str) else cell for cell in line] for line in found]
+        list(TREND), [{name: getattr(trend, name) for name in TREND} for trend in document.trends]
     )
 
 
-def _line(row: CampaignRow, conditions: list[str], parameters: list[tuple[str, str]]) -> list[Any]:
+def _cells(row: CampaignRow, conditions: list[str]) -> dict[str, Any]:
+    """Write a session's cells by the name of their column."""
     result = row.result
-    line: list[Any] = [_text(result.session), row.made.isoformat() if row.made else ""]
-    line += [_number(row.conditions.get(key)) for key in conditions]
-    line += [_number(result.amplitude), result.unit, *(_number(getattr(result, name)) for name in ERRORS)]
-    line += [result.verdict or "", " + ".join(result.named)]
-    for name, unit in parameters:
-        estimate = result.parameters.get(name)
-        there = estimate is not None and estimate.unit == unit
-        line += [_number(estimate.value), _number(estimate.std)] if estimate and there else ["", ""]
-    return [*line, ""]
+    cells: dict[str, Any] = {"session": result.session, "made": row.made and row.made.isoformat()}
+    cells |= {key: row.conditions.get(key) for key in conditions}
+    cells |= {"amplitude": result.amplitude, "amplitude unit": result.unit}
+    cells |= {name: getattr(result, name) for name in ERRORS}
+    cells |= {"verdict": result.verdict, "named": " + ".join(result.named)}
+    for name, found in result.parameters.items():
+        unit = f" [{found.unit}]" if found.unit not in ("", "1") else ""
+        cells |= {f"{name}{unit}": found.value, f"{name} std{unit}": found.std}
+    return cells
 
 
-def _heading(name: str, unit: str) -> str:
-    return _text(f"{name} [{unit}]" if unit and unit != "1" else name)
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else repr(value)
-
-
-def _text(text: str) -> str:
-    """Return a text that a spreadsheet does not take for a formula."""
-    return f"'{text}" if text[:1] in LEADING and text[:1] else text
-
-
-def _written(header: list[str], lines: list[list[Any]]) -> str:
+def _written(columns: list[str], rows: list[dict[str, Any]]) -> str:
+    """Write rows as CSV; what a spreadsheet would take for a formula becomes a text."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(lines)
+    lines: list[list[Any]] = [[*columns], *([row.get(column) for column in columns] for row in rows)]
+    for cells in lines:
+        writer.writerow([f"'{c}" if isinstance(c, str) and c[:1] in LEADING and c else c for c in cells])
     return out.getvalue()

@@ -1,10 +1,9 @@
 """A campaign in 80 columns: what was found, every parameter's chart, trends, who is out, who failed."""
 
-from identify.formatting import decimals_for
+from identify.formatting import DASH, decimals_for, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
-from station.text.campaign_progress import duration
 from station.text.content import Table, Told, facts
-from station.text.numbers import DASH, probability, scale, three_figures, typeset_unit, with_error, with_unit
+from station.text.numbers import probability, scale, typeset_unit, with_unit
 
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10
@@ -14,7 +13,8 @@ LESS_SURE = 0.01
 
 def told(document: CampaignDocument) -> Told:
     """Tell a campaign."""
-    trends = worth_showing(document.trends)
+    # Those that are sure, and after them those with p below 1 %.
+    trends = [one for one in document.trends if one.sure or one.p_value < LESS_SURE][:MOST_TRENDS]
     tables = [_charts(document.charts)] if document.charts else [_few(document.rows)] if document.rows else []
     tables += [_trends(trends)] if trends else []
     return Told(headline(document), "", (*tables, *facts(_facts(document, trends))))
@@ -29,11 +29,6 @@ def headline(document: CampaignDocument) -> str:
 
 def _sessions(number: int) -> str:
     return f"{number} session{'s' * (number != 1)}"
-
-
-def worth_showing(trends: list[TrendDocument]) -> list[TrendDocument]:
-    """Return the trends that are sure, and after them those with p below 1 %, a few in all."""
-    return [t for t in trends if t.sure or t.p_value < LESS_SURE][:MOST_TRENDS]
 
 
 def _charts(charts: list[ChartDocument]) -> Table:
@@ -136,3 +131,10 @@ def _time(document: CampaignDocument) -> str:
         f"worker{'s' * (document.workers != 1)} "
         f"({duration(document.work_s)} of computing){kept}"
     )
+
+
+def duration(seconds: float) -> str:
+    """Return a time as people say it: "46 s", "12 min", "3.4 h"."""
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"

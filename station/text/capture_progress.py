@@ -1,7 +1,6 @@
 """What the operator sees in the terminal while a board is being recorded."""
 
 import time
-from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
@@ -33,43 +32,19 @@ STATES = {
 """What stands before the detail of each state, which says what the operator should do."""
 
 
-class Several(CaptureObserver):
-    """Passes everything on to several observers."""
-
-    def __init__(self, observers: Sequence[CaptureObserver]) -> None:
-        self._observers = tuple(observers)
-
-    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
-        """Pass on."""
-        for observer in self._observers:
-            observer.connected(hello, channels)
-
-    def state(self, name: str, detail: str) -> None:
-        """Pass on."""
-        for observer in self._observers:
-            observer.state(name, detail)
-
-    def block(self, first_index: int, samples: Array) -> None:
-        """Pass on."""
-        for observer in self._observers:
-            observer.block(first_index, samples)
-
-    def loss(self, gap: Gap) -> None:
-        """Pass on."""
-        for observer in self._observers:
-            observer.loss(gap)
-
-
 class Watch(CaptureObserver):
-    """Live levels on stderr where it is a terminal; a line for each change of state where it is not."""
+    """Live levels on stderr where it is a terminal; a line for each change of state where it is not.
 
-    def __init__(self, console: Console | None = None) -> None:
+    All that it sees it passes on to another observer, as the live viewer.
+    """
+
+    def __init__(self, also: CaptureObserver | None = None, console: Console | None = None) -> None:
+        self._also = also or CaptureObserver()
         self._console = console or SafeConsole(stderr=True, highlight=False)
         self._live: Live | None = None
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
         self._last = np.zeros(0)
-        self._lost = 0
         self._shown = 0.0
 
     def __enter__(self) -> Self:
@@ -87,6 +62,7 @@ class Watch(CaptureObserver):
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
         """Print which board answered and what it measures."""
+        self._also.connected(hello, channels)
         self._channels = channels
         self._largest = self._last = np.zeros(len(channels))
         names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in channels)
@@ -94,6 +70,7 @@ class Watch(CaptureObserver):
 
     def state(self, name: str, detail: str) -> None:
         """Print what the station is doing and what the operator should do."""
+        self._also.state(name, detail)
         sentence = STATES.get(name, name)
         if detail.startswith(sentence):
             self._line(detail)
@@ -103,6 +80,7 @@ class Watch(CaptureObserver):
 
     def block(self, first_index: int, samples: Array) -> None:
         """Show the newest level of each channel, and the largest so far."""
+        self._also.block(first_index, samples)
         if samples.shape[1] == 0:
             return
         self._last = samples[:, -1]
@@ -111,7 +89,7 @@ class Watch(CaptureObserver):
 
     def loss(self, gap: Gap) -> None:
         """Print a loss at once."""
-        self._lost += gap.count
+        self._also.loss(gap)
         self._line(f"lost {gap.count} samples from number {gap.first} on: {gap.reason}")
 
     def _line(self, text: str) -> None:

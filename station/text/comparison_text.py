@@ -3,21 +3,14 @@
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import plain_name, scaled
+from identify.formatting import plain_name, scaled, three_figures
 from station.story.compared import Compared
 from station.story.residual import floor_words, residual_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import (
-    energy_scale,
-    scale,
-    three_figures,
-    typeset,
-    typeset_unit,
-    with_error,
-)
+from station.text.numbers import scale, typeset
 
-MOST_CYCLES, FEW_PLACES = 12, 2
+FEW_PLACES = 2
 
 
 def told(compared: Compared) -> Told:
@@ -48,7 +41,7 @@ def told(compared: Compared) -> Told:
         sentence(f"{compared.words} leaves {left}"),
         "good" if compared.judged.at_floor else "bad",
         facts(rows),
-        (*facts(more), errors(compared), cycle_table(compared)),
+        (*facts(more), errors(compared)),
     )
 
 
@@ -76,30 +69,6 @@ def floor_text(compared: Compared) -> str:
         unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
         parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
     return typeset("; ".join(parts))
-
-
-def cycle_table(compared: Compared) -> Table:
-    """Make the table of the errors cycle by cycle, evenly taken where there are many."""
-    found = compared.comparison
-    done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
-    factor, energy = energy_scale(units)
-    count = len(done.time)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CYCLES)).round().astype(int))
-    rows = tuple(
-        (
-            f"{done.time[i]:.2f}",
-            units.length(float(done.amplitude[i])),
-            with_error(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
-            with_error(float(done.energy_error[i]) * factor, float(done.energy_error_std[i]) * factor),
-            f"{found.free_run_misfit[i]:.1f}",
-        )
-        for i in chosen
-    )
-    head = (
-        "time, s", f"amplitude, {units.length_unit}", "frequency off, %", f"energy off, {typeset_unit(energy)}",
-        "/ noise",
-    )  # fmt: skip
-    return Table("", head, rows, texts=0)
 
 
 def harmonics_text(compared: Compared) -> str:

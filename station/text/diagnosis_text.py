@@ -1,14 +1,14 @@
 """A diagnosis in words: the verdict, the residual with each suspect, which are not distinguishable, what to record next."""
 
 from identify.diagnosis.verdict import HEADLINES
-from identify.formatting import among, plain_name
+from identify.formatting import DASH, among, plain_name, three_figures
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_parts import FindingDocument, SuspectDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import DASH, three_figures, typeset, with_names, with_unit
+from station.text.numbers import typeset, with_names, with_unit
 from station.text.shares_text import shares_tables
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}

@@ -5,35 +5,25 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.text import Text
 
 from identify.effects.effect import Effect, Parameter
 from identify.formatting import plain_name
-from station.story.effect_portrait import AMPLITUDES, FREQUENCY, Array, Portrait
-from station.text.content import Table, facts
+from station.text.content import Table, Told, facts
 from station.text.layout import show_parts
-from station.text.next_step import next_line
 from station.text.numbers import typeset
+
+KINDS = {"physics": "Physics: forces per unit mass", "sensor": "Sensors: faults of a reading"}
 
 
 def show_list(console: Console, effects: Sequence[Effect]) -> None:
     """Print every effect with its equation, physics first."""
-    for kind, title in (
-        ("physics", "Physics: forces per unit mass"),
-        ("sensor", "Sensors: faults of a reading"),
-    ):
+    for kind, title in KINDS.items():
         rows = [(e.name, typeset(f"{e.title}: {e.equation}")) for e in effects if e.kind == kind]
         show_parts(console, [Table(title, ("", ""), tuple(rows), texts=2)])
-    console.print(next_line("effects", "NAME"), markup=False)
 
 
-def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
-    """Print one effect: what it is, its parameters, how it shows, what confirms it, and what it does."""
-    console.print(Text(f" {plain_name(effect.name)}", style="bold"))
-    show_parts(console, facts((label, typeset(text)) for label, text in _rows(effect, portrait)))
-
-
-def _rows(effect: Effect, portrait: Portrait | None) -> list[tuple[str, str]]:
+def told(effect: Effect) -> Told:
+    """Tell one effect: what it is, its parameters, how it shows, and what confirms it."""
     physics = effect.kind == "physics"
     rows = [
         ("name", effect.name),
@@ -45,23 +35,7 @@ def _rows(effect: Effect, portrait: Portrait | None) -> list[tuple[str, str]]:
         ("proof", effect.confirming_test),
         ("confusable", ", ".join(effect.confusable_with)),
     ]
-    if portrait is None:
-        return rows
-    typical = ", ".join(f"{name} {value:.3g}" for name, value in portrait.values.items() if "." not in name)
-    length, factor = portrait.length
-    size = f"{AMPLITUDES[portrait.unit] * factor:g} {length} at {FREQUENCY / 2 / np.pi:g} Hz"
-    found = portrait.signature
-    shift = 50.0 * found.stiffening / FREQUENCY**2
-    rows.append(("at", f"{size}, the largest force 1 % of the springs': {typical}"))
-    rows.append(("damping", f"{_from_to(found.damping)} 1/s from the smallest to that amplitude"))
-    rows.append(("frequency", f"changed by {_from_to(shift)} %; --picture FILE draws both"))
-    return rows
-
-
-def _from_to(values: Array) -> str:
-    """Write the first and the last of some values; one where they are the same."""
-    first, last = (f"{0.0 if abs(value) < 1e-9 else value:.3g}" for value in (values[0], values[-1]))
-    return first if first == last else f"{first} to {last}"
+    return Told(plain_name(effect.name), "", (), facts((label, typeset(text)) for label, text in rows))
 
 
 def bounds(parameter: Parameter) -> str:
@@ -74,34 +48,14 @@ def bounds(parameter: Parameter) -> str:
     return f"at most {high:g}" if np.isfinite(high) else "of either sign"
 
 
-def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
+def as_document(effect: Effect) -> dict[str, Any]:
     """Return an effect as a plain document."""
-    document: dict[str, Any] = {
-        "name": effect.name,
-        "title": effect.title,
-        "kind": effect.kind,
-        "equation": effect.equation,
-        "parameters": [
-            {
-                "name": p.name,
-                "unit": p.unit,
-                "meaning": p.meaning,
-                "low": p.low if np.isfinite(p.low) else None,
-                "high": p.high if np.isfinite(p.high) else None,
-            }
-            for p in effect.parameters
-        ],
+    bounded = ("name", "unit", "meaning", "low", "high")
+    return {
+        **{key: getattr(effect, key) for key in ("name", "title", "kind", "equation")},
+        "parameters": [{key: getattr(p, key) for key in bounded} for p in effect.parameters],
         "borrows": list(getattr(effect, "shared_parameters", ())),
         "tell": effect.symptom,
         "proof": effect.confirming_test,
         "confusable_with": list(effect.confusable_with),
     }
-    if portrait is not None:
-        document["signature"] = {
-            "values": portrait.values,
-            "frequency_rad_s": FREQUENCY,
-            f"amplitude_{portrait.unit}": portrait.signature.amplitude.tolist(),
-            "damping_1_s": portrait.signature.damping.tolist(),
-            "change_of_w2_1_s2": portrait.signature.stiffening.tolist(),
-        }
-    return document

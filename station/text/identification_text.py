@@ -1,22 +1,14 @@
 """An identification in words: whether its values may be quoted, both methods side by side, and why."""
 
 from identify.estimate import Estimate
-from identify.formatting import damping_name, plain_name
+from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import (
-    DASH,
-    noise_scale,
-    three_figures,
-    typeset,
-    typeset_symbol,
-    typeset_unit,
-    with_error,
-)
+from station.text.numbers import noise_scale, typeset, typeset_unit
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -117,13 +109,13 @@ def _damping_rows(name: str, values: list[Estimate | None], result: Identificati
     decay = result.decay
     plain, _, symbol = name.rpartition(" ")
     if decay.mass is None:
-        return [_row(f"{plain} {typeset_symbol(symbol)}", values)]
+        return [_row(f"{plain} {typeset(symbol)}", values)]
     mass, std = decay.mass, decay.mass_std
     whole = [None if value is None else times_mass(value, mass, std, decay.unit) for value in values]
     per = "per unit inertia" if decay.unit == "rad" else "per unit mass"
     if not any(whole):
-        return [_row(f"{plain} {typeset_symbol(symbol)}, {per}", values)]
-    return [_row(plain, whole), _row(f"  {typeset_symbol(symbol)}, {per}", values)]
+        return [_row(f"{plain} {typeset(symbol)}, {per}", values)]
+    return [_row(plain, whole), _row(f"  {typeset(symbol)}, {per}", values)]
 
 
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, ...]:

@@ -2,12 +2,13 @@
 
 import math
 
+from identify.formatting import three_figures
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import change, three_figures, with_unit
+from station.text.numbers import change, with_unit
 
 MOST_CHANGED, FEW_CHANGED = 3, 2
 NOTICED = 2.0

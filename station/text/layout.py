@@ -2,17 +2,18 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from station.output import screen
+from identify.formatting import SPACE
+from station.output import print_json, screen
 from station.plain_letters import writable
 from station.text.content import Facts, Paragraph, Part, Table, Told
 from station.text.next_step import next_line
-from station.text.numbers import SPACE
 
 LABEL_WIDTH = 12
 MOST_LINES, FEWEST = 12, 1
@@ -22,12 +23,17 @@ STYLES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": 
 MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
 
 
-def tell(told: Told, *following: str | Path, full: bool = False) -> None:
-    """Print a result on the screen, and the command that comes next."""
-    console = screen()
-    show(console, told, full=full)
-    if following:
-        console.print(next_line(*following), markup=False, soft_wrap=True)
+def answer(
+    as_json: bool, document: dict[str, Any], told: Told, *following: str | Path, full: bool = False
+) -> None:
+    """Print a result as one JSON object, or for people with the command that comes next."""
+    if as_json:
+        print_json(document)
+    else:
+        console = screen()
+        show(console, told, full=full)
+        if following:
+            console.print(next_line(*following), markup=False, soft_wrap=True)
 
 
 def show(console: Console, told: Told, *, full: bool = False) -> None:

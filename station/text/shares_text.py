@@ -3,10 +3,11 @@
 import math
 from collections.abc import Sequence
 
+from identify.formatting import DASH, three_figures, with_error
 from station.results.diagnosis_parts import SharesDocument
 from station.results.documents import EstimateDocument
 from station.text.content import Table
-from station.text.numbers import DASH, scale, three_figures, typeset_unit, with_error
+from station.text.numbers import scale, typeset_unit
 
 _DECIMALS = {"%": 2, "Hz": 5}
 _FIGURES = 4
@@ -18,7 +19,7 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
     for which, at in zip(("largest", "smallest"), shares, strict=False):
         factor, unit = scale("displacement", at.unit)
         rows = tuple(
-            (one.effect, _cell(one.force), _share(one.force_percent), _cell(one.loss_percent),
+            (one.effect, _cell(one.force), three_figures(one.force_percent.value), _cell(one.loss_percent),
              _cell(one.frequency_percent))
             for one in at.effects
         )  # fmt: skip
@@ -29,10 +30,6 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
         )  # fmt: skip
         found.append(Table("", head, rows))
     return tuple(found)
-
-
-def _share(found: EstimateDocument) -> str:
-    return DASH if found.value is None else f"{found.value:.1f}"
 
 
 def _cell(found: EstimateDocument) -> str:

@@ -10,11 +10,12 @@ from typing import Any
 
 from rich.console import Console
 
+from identify.formatting import DASH, SPACE, with_error
 from station.results.documents import EstimateDocument
-from station.results.identification_document import IdentificationDocument, MethodDocument
+from station.results.identification_document import IdentificationDocument
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
-from station.text.numbers import DASH, SPACE, scale, typeset_symbol, typeset_unit, with_error
+from station.text.numbers import scale, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -56,24 +57,20 @@ class Tables:
 
 def make_tables(documents: list[IdentificationDocument]) -> Tables:
     """Make both tables of identified sessions, which share their units."""
-    methods = [(document.wavelet, document.restoring_force) for document in documents]
-    found = [method for both in methods for method in both if method is not None]
-    units: dict[str, str] = {}
-    if found:
-        richest = max(found, key=lambda method: len(method.damping))
-        units = {f"mu_{order}": one.unit for order, one in enumerate(richest.damping)}
-        units["K"] = richest.stiffness.unit
-    table_1: list[Row] = []
-    for document, both in zip(documents, methods, strict=True):
-        row = {
+    cells = [_cells_of(document) for document in documents]
+    units = {key.partition(" ")[0]: one.unit for found in cells for key, one in found.items()}
+    units = {name: units[name] for name in sorted(units, key=lambda name: (name == "K", name))}
+    keys = [f"{name} ({label})" for name in units for label in METHODS]
+    table_1: list[Row] = [
+        {
             "session": document.session,
             "amplitude": document.release.amplitude,
             "amplitude_unit": document.record.unit,
             "quotable": document.adequacy is None or document.adequacy.quotable,
+            **{key: found[key].plain() if key in found else None for key in keys},
         }
-        cells = {f"{name} ({label})": _of(method, name) for name in units
-                 for label, method in zip(METHODS, both, strict=True)}  # fmt: skip
-        table_1.append(row | {key: None if cell is None else cell.plain() for key, cell in cells.items()})
+        for document, found in zip(documents, cells, strict=True)
+    ]
     table_2 = [
         {"method": label} | {name: _mean([r[f"{name} ({label})"] for r in table_1]) for name in units}
         for label in METHODS
@@ -81,11 +78,14 @@ def make_tables(documents: list[IdentificationDocument]) -> Tables:
     return Tables(units, table_1, table_2)
 
 
-def _of(method: MethodDocument | None, name: str) -> EstimateDocument | None:
-    if method is None or name == "K":
-        return None if method is None else method.stiffness
-    order = int(name.removeprefix("mu_"))
-    return method.damping[order] if order < len(method.damping) else None
+def _cells_of(document: IdentificationDocument) -> dict[str, EstimateDocument]:
+    """Return the estimates of a session by "K (WT)"."""
+    found = {}
+    for label, method in zip(METHODS, (document.wavelet, document.restoring_force), strict=True):
+        if method is not None:
+            found[f"K ({label})"] = method.stiffness
+            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method.damping)}
+    return found
 
 
 def _mean(cells: list[Row | None]) -> Row | None:
@@ -125,8 +125,7 @@ def _cells(cells: Iterable[Row | None]) -> list[float | str | None]:
 def told(tables: Tables) -> tuple[Table, ...]:
     """Tell both tables, a line a release, the second only of several; unquotable releases have a star."""
     named = [
-        f"{typeset_symbol(name)} ({label}) [{typeset_unit(tables.units[name])}]"
-        for name, label in tables.columns
+        f"{typeset(name)} ({label}) [{typeset_unit(tables.units[name])}]" for name, label in tables.columns
     ]
     rows = tuple(
         (f"{row['session']}{'' if row['quotable'] else '*'}", _amplitude(row),
@@ -138,7 +137,7 @@ def told(tables: Tables) -> tuple[Table, ...]:
     if len(rows) < 2:
         return (first,)
     means = tuple(
-        (typeset_symbol(name), typeset_unit(unit), *(_cell(row[name]) for row in tables.table_2))
+        (typeset(name), typeset_unit(unit), *(_cell(row[name]) for row in tables.table_2))
         for name, unit in tables.units.items()
     )
     caption = f"Table 2. Mean and standard deviation over {len(rows)} releases"

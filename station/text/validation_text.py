@@ -1,12 +1,11 @@
 """A validation in words: the verdict, then the errors of prediction session by session."""
 
 from identify.fitting.validation import BASIS
-from identify.formatting import plain_name
+from identify.formatting import plain_name, three_figures
 from station.results.validation_document import PredictionDocument, ValidationDocument
 from station.story.residual import noise_multiple
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import three_figures
 
 TONES: dict[str, Tone] = {"predicts_better": "good", "no_better": "unsure", "predicts_worse": "bad"}
 MOST_ROWS = 40

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from daq.recording import Recording
 from daq.sensor_faults import FlaggedRun
 from identify.arrays import Array
+from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
-from station.text.numbers import scale, scale_as_recorded, three_figures
+from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 

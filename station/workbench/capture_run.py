@@ -160,7 +160,7 @@ class Progress:
 def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager[str], CaptureSettings]:
     """Draw a mystery: its number, a simulated board that hides something, given `more` options, and how it is captured."""
     seed = secrets.randbelow(SEEDS)
-    board = simulated_board(seed, MYSTERY_SPEED, False, *more, module=BOARD)
+    board = simulated_board(seed, MYSTERY_SPEED, *more, module=BOARD)
     return seed, board, simulated_capture(settings, f"mystery {seed}", MYSTERY_SPEED)
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
@@ -77,11 +76,8 @@ def _campaign(
     names: str,
     varies: str,
 ) -> Imported:
-    from station.campaign.crew import InThisProcess
     from station.campaign.files import Names, import_files
-    from station.campaign.kept import Kept
-    from station.campaign.run import Request
-    from station.campaign.sources import FOLDER, find_sources
+    from station.campaign.sources import FOLDER, Request, find_sources
     from station.campaign.together import campaign
     from station.operations.new_session import session_info
     from station.text.campaign_text import told
@@ -99,15 +95,13 @@ def _campaign(
     sources = find_sources(tuple(made), settings)
     ready: list[str] = []
 
-    def one_more(name: str, reason: str = "") -> None:
+    def watch(name: str, reason: str) -> None:
         ready.append(name)
         say(f"{len(ready)} of {len(sources)} sessions identified")
 
-    watch = SimpleNamespace(kept=one_more, done=one_more, failed=one_more)
-    found = told(
-        campaign(sources, Request(settings), InThisProcess(), Kept(settings.sessions / FOLDER), watch)
-    )
+    found = told(campaign(sources, Request(settings), settings.sessions / FOLDER, workers=0, watch=watch))
     remarks = tuple(Paragraph(line) for line in lines)
     return Imported(
-        [source.name for source in sources], part("told", replace(found, brief=(*remarks, *found.brief)))
+        [source.folder.name for source in sources],
+        part("told", replace(found, brief=(*remarks, *found.brief))),
     )

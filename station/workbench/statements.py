@@ -2,13 +2,12 @@
 
 import math
 
-from identify.formatting import plain_name
+from identify.formatting import plain_name, three_figures
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import name_of
 from station.story.residual import explained_words, times
 from station.suggestions import MEASURED_CURVE
 from station.text.diagnosis_text import parameters
-from station.text.numbers import three_figures
 from station.workbench.view_models import Drawing, View
 
 LEAST = 0.5

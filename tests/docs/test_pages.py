@@ -71,7 +71,7 @@ def test_every_command_and_option_on_a_page_exists(line):
 
 def test_every_command_has_a_line_on_a_page():
     text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
-    assert [entry.name for entry in COMMANDS if f"station {entry.name}" not in text] == []
+    assert [name for name in COMMANDS if f"station {name}" not in text] == []
 
 
 def test_every_make_target_on_a_page_exists():

@@ -1,9 +1,10 @@
-"""A folder of simulated sessions of one bench, and crews that need no process: what the tests of campaigns share."""
+"""A folder of simulated sessions of one bench, and workers that need no process: what the tests of campaigns share."""
 
 import os
 import signal
 import time
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from daq.recording import Channel, Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
 from mocks.generate import draw
-from station.campaign.work import Answer, Work, perform
+from station.campaign.work import Work, perform
+from station.results.campaign_document import SessionResult
 
 CHANNELS = (Channel("displacement", "displacement", "m"), Channel("acceleration", "acceleration", "m/s^2"))
 BEGAN = datetime(2026, 3, 1, tzinfo=UTC)
@@ -44,37 +46,39 @@ def make_noise(folder):
 
 
 class Here:
-    """A crew of this process; `after` sessions the operator presses Ctrl-C."""
-
-    workers = 1
+    """What stands for the workers, in this process; `after` sessions the operator presses Ctrl-C."""
 
     def __init__(self, after=None):
         self.performed_names, self.after = [], after
 
-    def performed(self, works):
+    def __call__(self, works, workers):
         for work in works:
             if self.after is not None and len(self.performed_names) >= self.after:
                 raise KeyboardInterrupt
-            self.performed_names.append(work.name)
-            yield Answer(work, perform(work))
+            self.performed_names.append(work.folder.name)
+            yield work, perform(work)
 
 
 def work_called(name):
     from station.story.preparation import Options
 
-    return Work(name, name, {}, Options())
+    return Work(Path(name), name, Options())
+
+
+def _result(work):
+    return SessionResult(format=1, session=work.folder.name, key=work.key, seconds=0.0)
 
 
 def slowly(work):
     """Take a moment, so that a worker can be killed in the middle."""
     time.sleep(0.3)
-    return work.name
+    return _result(work)
 
 
 def deadly(work):
     """Kill the worker that gets the session called "deadly"; fail at the one called "faulty"."""
-    if work.name == "deadly":
+    if work.folder.name == "deadly":
         os.kill(os.getpid(), signal.SIGKILL)
-    if work.name == "faulty":
+    if work.folder.name == "faulty":
         raise ZeroDivisionError("division by zero")
-    return work.name
+    return _result(work)

@@ -21,8 +21,8 @@ from station.cli import run
 from station.story.adequacy import (
     adequacy,
     farthest,
-    identified_model,
     judgement,
+    needed_orders,
     recording_doubt,
     scale_doubt,
 )
@@ -57,14 +57,17 @@ def releases():
     return made
 
 
+def identified_model(*methods):
+    return model_of_orders(*needed_orders(methods))
+
+
 def test_the_model_has_the_orders_that_were_found():
-    assert identified_model(None, None) is None
-    assert identified_model(found(1), None).names == base_model().names
+    assert identified_model(found(1)).names == base_model().names
     bent = found(1, cubic=Estimate(5e5, 1e3, "1/(s^2 m^2)"))
     assert "cubic_stiffness" in identified_model(bent, found(2)).names
     assert identified_model(bent, found(2)).names[-1] == "quadratic_damping"
     straight = found(1, cubic=Estimate(5e2, 1e3, "1/(s^2 m^2)"))
-    assert identified_model(straight, None).names == base_model().names
+    assert identified_model(straight).names == base_model().names
     assert model_of_orders(0).names == base_model().names[:2]
     assert model_of_orders(5, (1, 4)).names == ("linear_stiffness", "coulomb_friction", "viscous_damping",
                                                "quadratic_damping", "cubic_damping")  # fmt: skip
@@ -157,7 +160,7 @@ def test_a_large_ratio_is_a_power_of_ten():
         "0.988",
         "22.9",
         "229",
-        "2.87e8",
+        "2.87 × 10⁸",
     ]
 
 

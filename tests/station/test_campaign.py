@@ -8,16 +8,15 @@ import pytest
 from many_sessions import SOFTER_PER_DEGREE, STIFFNESS, Here, make_noise, make_sessions
 
 from daq.session import Session
-from station.campaign.kept import Kept
 from station.campaign.metadata import Known
-from station.campaign.run import Request, run_campaign
-from station.campaign.sources import find_sources
+from station.campaign.run import run_campaign
+from station.campaign.sources import Request, find_sources
 from station.campaign.together import campaign_document
 from station.cli import run as station
 from station.results.campaign_document import CampaignDocument
 from station.settings import Settings
-from station.text.campaign_progress import CampaignProgress
 from station.text.campaign_table import sessions_csv, trends_csv
+from station.text.campaign_text import duration
 
 COUNT = 8
 
@@ -33,13 +32,13 @@ def made(tmp_path_factory):
     return folder, run, crew, campaign_document(folder / "campaign", False, run)
 
 
-def campaign(folder, crew=None, *, out=None, diagnose=False, settings=None):
+def campaign(folder, crew=None, *, diagnose=False, settings=None):
     crew = crew or Here()
     settings = settings or Settings()
     sources = find_sources((str(folder),), settings)
-    watch = CampaignProgress(len(sources), io.StringIO())
-    kept = Kept(out or folder / "campaign")
-    return run_campaign(sources, Request(settings, None, diagnose), crew, kept, watch), crew
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("station.campaign.run.performed", crew)
+        return run_campaign(sources, Request(settings, None, diagnose), folder / "campaign", 1), crew
 
 
 def test_every_session_has_its_row_and_a_failed_one_its_reason(made):
@@ -131,9 +130,7 @@ def test_the_tables_hold_every_parameter_with_its_error_and_no_formula(made):
 @pytest.fixture
 def at_home(monkeypatch):
     """Let the command work in this process."""
-    import station.campaign.local_crew as local
-
-    monkeypatch.setattr(local, "LocalCrew", lambda workers: Here())
+    monkeypatch.setattr("station.campaign.run.performed", Here())
 
 
 def test_the_command_prints_one_screen_and_keeps_its_tables(made, at_home, capsys):
@@ -147,7 +144,7 @@ def test_the_command_prints_one_screen_and_keeps_its_tables(made, at_home, capsy
     assert "linear_stiffness.k against" in printed.out
     assert "1/s² per" in printed.out
     assert "failed: torn: " in printed.err
-    assert printed.err.splitlines()[-1].startswith("10/10 sessions, 8 kept from before, 2 failed")
+    assert "all was kept from before" in printed.out
     kept = {file.name for file in (folder / "campaign").iterdir()}
     assert kept == {"campaign.json", "sessions.csv", "trends.csv", "sessions"}
 
@@ -184,10 +181,8 @@ def test_a_session_that_is_still_written_is_left_alone(tmp_path):
 
 
 def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path, monkeypatch, capsys):
-    import station.campaign.local_crew as local
-
     make_noise(tmp_path / "sessions" / "still")
-    monkeypatch.setattr(local, "LocalCrew", lambda workers: Here(after=0))
+    monkeypatch.setattr("station.campaign.run.performed", Here(after=0))
     assert station(["campaign", str(tmp_path / "sessions")]) == 130
     assert "the same command continues with the rest" in capsys.readouterr().err
 
@@ -197,10 +192,6 @@ def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path, monkeypatch, capsys
     [
         (["empty"], "no session in empty"),
         (["nowhere"], "there is no such folder, session or data file"),
-        (
-            [".", "--scheduler", "tcp://127.0.0.1:1", "--workers", "2"],
-            "a cluster has the workers that it has",
-        ),
         (["empty", "--metadata", "no.csv"], "cannot be read"),
     ],
 )
@@ -227,3 +218,10 @@ def test_a_diagnosed_session_has_its_verdict_and_the_named_effects_parameters(tm
     identified, crew = campaign(tmp_path / "sessions")  # without the diagnosis: another result, also kept
     assert len(crew.performed_names) == 1
     assert identified.results[0][1].verdict is None
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(46.2, "46 s"), (720, "12 min"), (12240, "3.4 h"), (0.2, "0 s")]
+)
+def test_a_time_is_said_as_people_do(seconds, text):
+    assert duration(seconds) == text

@@ -32,15 +32,15 @@ def test_help_imports_nothing_heavy():
 
 def test_help_names_every_command():
     text = program("--help").stdout
-    assert all(f"  {entry.name}" in text for entry in COMMANDS)
+    assert all(f"  {name}" in text for name in COMMANDS)
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-@pytest.mark.parametrize("entry", COMMANDS, ids=lambda entry: entry.name)
-def test_every_command_explains_itself_within_80_columns(entry, capsys):
-    assert run([entry.name, "--help"]) == 0
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_explains_itself_within_80_columns(name, capsys):
+    assert run([name, "--help"]) == 0
     text = capsys.readouterr().out
-    assert f"station {entry.name}" in text
+    assert f"station {name}" in text
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
@@ -81,7 +81,7 @@ def test_with_json_an_error_is_one_object_on_stdout(tmp_path, monkeypatch, capsy
 
 
 def test_an_interruption_ends_with_130(monkeypatch, capsys):
-    import station.commands.list_ as module
+    import station.text.layout as module
 
     def interrupted(*_arguments, **_options):
         interrupt = KeyboardInterrupt()
@@ -94,7 +94,7 @@ def test_an_interruption_ends_with_130(monkeypatch, capsys):
 
 
 def test_a_fault_of_the_program_ends_with_1_in_a_sentence(monkeypatch, capsys):
-    import station.commands.list_ as module
+    import station.text.layout as module
 
     def broken(*_arguments, **_options):
         raise ZeroDivisionError("a made-up fault")

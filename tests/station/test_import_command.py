@@ -208,19 +208,34 @@ def test_a_recipe_that_is_none_gets_a_sentence(capsys, text, said):
     assert said in capsys.readouterr().err
 
 
-def test_asking_shows_the_columns_and_takes_corrections_until_they_look_right(capsys, monkeypatch):
+def test_asking_opens_the_recipe_until_the_file_can_be_read_by_it(capsys, monkeypatch):
     written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
-    typed = iter(
-        ["2=speed", "7=ignored", "2=displacement mm/s", "2=displacement", "displacement=deg", "3=ignored", ""]
-    )
+    seen = []
+
+    def edit(filename):
+        place = Path(filename)
+        text = place.read_text(encoding="utf-8")
+        seen.append(text)
+        fields = '{name = "clock", role = "time"}, {name = "alpha_raw", role = "displacement", unit = "UNIT"}'
+        unit = "mm/s" if len(seen) == 1 else "deg"
+        head = "".join(line for line in text.splitlines(True) if line.startswith("#"))
+        place.write_text(f"{head}recipe = 1\nfields = [{fields.replace('UNIT', unit)}]\n", encoding="utf-8")
+
     monkeypatch.setattr("sys.stdin.isatty", lambda: True)
-    monkeypatch.setattr("click.prompt", lambda *_, **__: next(typed))
+    monkeypatch.setattr("click.edit", edit)
     assert run(["import", "odd.csv", "--ask"]) == 0
-    out = " ".join(capsys.readouterr().out.split())
-    for sentence in ("2=speed is no correction", "there is no column 7", "'mm/s' is no unit of displacement"):
-        assert sentence in out
+    assert "#   2 alpha_raw: 9, " in seen[0]
+    assert "'mm/s' is no unit of displacement" in seen[1]
     recording = Session.open("sessions/odd").recording()
     np.testing.assert_allclose(recording.samples[0], np.radians(9.0 * DECAY), atol=1e-9)
+
+
+def test_a_recipe_that_is_emptied_imports_nothing(capsys, monkeypatch):
+    written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    monkeypatch.setattr("click.edit", lambda filename: Path(filename).write_text(""))
+    assert run(["import", "odd.csv", "--ask"]) == 2
+    assert "nothing was imported" in capsys.readouterr().err
 
 
 def test_asking_needs_a_terminal(capsys):

@@ -9,7 +9,7 @@ from station.library_messages import OneLine
 WARNS = """
 import logging, warnings
 from station import cli
-from station.commands import list_
+from station.text import layout
 
 def warn(*_, **__):
     warnings.warn("overflow encountered in exp", RuntimeWarning, stacklevel=1)
@@ -19,7 +19,7 @@ def warn(*_, **__):
     except TimeoutError as error:
         logging.getLogger("nicegui").exception(error)
 
-list_.print_json = warn
+layout.print_json = warn
 cli.main(["list", "--json"])
 """
 

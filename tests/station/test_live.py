@@ -14,7 +14,7 @@ from daq.importing.options import ImportOptions
 from daq.recording import Gap
 from daq.replay import replay
 from daq.session import Session
-from station.text.capture_progress import Several, Watch
+from station.text.capture_progress import Watch
 from station.views.live import LiveView
 
 SAMPLE = Path(__file__).resolve().parent.parent / "data" / "release_12.csv"
@@ -45,8 +45,8 @@ def test_the_live_view_draws_every_sample_once_and_in_order(session, tmp_path):
 
 def test_the_terminal_tells_the_board_the_states_and_the_losses_without_a_terminal(session):
     out = io.StringIO()
-    with Watch(Console(file=out, width=80)) as watch:
-        replay(session, Several((watch,)), speed=0)
+    with Watch(console=Console(file=out, width=80)) as watch:
+        replay(session, watch, speed=0)
         watch.loss(Gap(100, 16, "wire"))
     told = out.getvalue()
     assert "displacement" in told
@@ -56,6 +56,6 @@ def test_the_terminal_tells_the_board_the_states_and_the_losses_without_a_termin
 
 def test_the_terminal_shows_levels_in_a_terminal(session):
     out = io.StringIO()
-    with Watch(Console(file=out, width=80, force_terminal=True)) as watch:
-        replay(session, Several((watch,)), speed=0)
+    with Watch(console=Console(file=out, width=80, force_terminal=True)) as watch:
+        replay(session, watch, speed=0)
     assert "mm" in out.getvalue()

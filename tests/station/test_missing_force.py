@@ -9,13 +9,14 @@ import pytest
 from hidden import DRIFT, DUFFING, NOTHING, TRUTH
 from rich.console import Console
 
+from identify.formatting import three_figures
 from station import exits
 from station.cli import run
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.text import diagnosis_text, ladder_text
 from station.text.layout import show
-from station.text.numbers import change, probability, three_figures
+from station.text.numbers import change, probability
 
 VERDICTS = (
     "missing_effect",

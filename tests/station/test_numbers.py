@@ -4,18 +4,8 @@ import pytest
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
-from station.text.numbers import (
-    SPACE,
-    energy_scale,
-    noise_scale,
-    scale,
-    scale_as_recorded,
-    three_figures,
-    typeset,
-    typeset_symbol,
-    with_error,
-    with_unit,
-)
+from identify.formatting import SPACE, three_figures, with_error
+from station.text.numbers import energy_scale, noise_scale, scale, scale_as_recorded, typeset, with_unit
 
 
 def test_noise_is_shown_in_the_unit_that_its_size_asks_for():
@@ -71,5 +61,5 @@ def test_an_energy_is_in_thousandths_of_a_joule_and_of_the_whole_mass_where_it_i
 
 def test_powers_and_greek_letters_are_typeset():
     assert typeset("3 um at 2 m/s^2, 1 +- 0.1") == "3 µm at 2 m/s², 1 ± 0.1"
-    assert typeset_symbol("mu_0") == "μ₀"
-    assert typeset_symbol("k3") == "k3"
+    assert typeset("mu_0") == "μ₀"
+    assert typeset("k3") == "k3"

@@ -10,9 +10,10 @@ import pytest
 from hidden import DUFFING, NOTHING
 
 from daq.session import Session
+from identify.formatting import SPACE, three_figures, with_error
 from station.cli import run
 from station.report.write import SECTIONS, write_report
-from station.text.numbers import SPACE, three_figures, typeset_unit, with_error
+from station.text.numbers import typeset_unit
 
 HOSTILE = '<script>alert("x")</script>'
 NAMES = (

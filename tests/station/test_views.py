@@ -9,11 +9,11 @@ import rerun as rr
 from rerun.chunk import RrdReader
 from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
 
+from identify.formatting import SPACE
 from identify.model.model import base_model
 from station.story.adequacy import Adequacy
 from station.story.identification import Identification
 from station.text.identification_text import told
-from station.text.numbers import SPACE
 from station.views import identification_figures as figures
 from station.views import overlay, show
 from station.views.identification_figures import mesh

@@ -77,7 +77,7 @@ def test_the_simulated_board_is_the_programs_own(planted: Path) -> None:
     code = (
         BEGIN + "from station.working_folder import import_nothing_from_it as blind; blind(); "
         "from station.operations.simulated_board import simulated_board as board\n"
-        "with board(1, 1.0, False) as port: print(port)"
+        "with board(1, 1.0) as port: print(port)"
     )
     assert ran(planted, code).startswith("socket://")
 

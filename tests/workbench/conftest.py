@@ -61,9 +61,7 @@ def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
                 envelope = Path(aside) / f"{name}.json"
                 seed = int(name.rpartition("_")[2])
                 info = SessionInfo(name=name, mass_kg=21.36, specimen=name.replace("_", " "))
-                with simulated_board(
-                    seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery"
-                ) as port:
+                with simulated_board(seed, 0.0, "--truth", str(envelope), module="mocks.mystery") as port:
                     capture(port, CaptureSettings(check_clock=False, info=info), made / name)
                 assert f'"hidden": "{hidden}"' in envelope.read_text()
         return made

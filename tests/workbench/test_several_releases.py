@@ -23,7 +23,7 @@ def pair(bench):
     """Record two releases of one bench; return what it hides, as its envelope says."""
     with TemporaryDirectory() as aside:
         envelope = Path(aside) / "truth.json"
-        with simulated_board(SEED, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
+        with simulated_board(SEED, 0.0, "--truth", str(envelope), module="mocks.mystery") as port:
             for name in NAMES:
                 shutil.rmtree(bench.folder / "sessions" / name, ignore_errors=True)
                 info = SessionInfo(name=name, mass_kg=21.36)

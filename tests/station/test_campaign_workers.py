@@ -1,0 +1,79 @@
+"""Workers that are real processes: all sessions are answered, whoever is killed in the middle."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from many_sessions import deadly, slowly, work_called
+
+from station.campaign.workers import KILLED, performed
+
+HERE = str(Path(__file__).parent)
+
+
+def names(count):
+    return [f"session {i}" for i in range(count)]
+
+
+def test_without_workers_this_process_does_the_work():
+    works = [work_called(name) for name in names(2)]
+    found = list(performed(iter(works), 0, slowly))
+    assert [(work, answer.session) for work, answer in found] == list(zip(works, names(2), strict=True))
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_loses_nothing(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
+    works = [work_called(name) for name in names(12)]
+    found = []
+    for _, answer in performed(works, 2, slowly):
+        found.append(answer)
+        if len(found) == 3:
+            multiprocessing.active_children()[0].kill()
+    assert Counter(answer.session for answer in found) == Counter(names(12))
+
+
+@pytest.mark.slow
+def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
+    works = [work_called(name) for name in (*names(3), "deadly", "faulty", *names(6)[3:])]
+    found = {work.folder.name: answer for work, answer in performed(works, 2, deadly)}
+    assert found.pop("deadly") == KILLED
+    assert found.pop("faulty") == "ZeroDivisionError: division by zero"
+    assert {name: answer.session for name, answer in found.items()} == {name: name for name in names(6)}
+
+
+ORPHANS = """
+import multiprocessing, os, signal
+from many_sessions import slowly, work_called
+from station.campaign.workers import performed
+if __name__ == "__main__":
+    next(performed([work_called("first")], 1, slowly))
+    print(multiprocessing.active_children()[0].pid, flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.slow
+def test_no_process_outlives_a_program_that_is_killed(tmp_path):
+    script = tmp_path / "orphans.py"
+    script.write_text(ORPHANS)
+    path = os.pathsep.join([HERE, *sys.path])
+    ended = subprocess.run(
+        [sys.executable, str(script)], env=os.environ | {"PYTHONPATH": path}, capture_output=True, check=False
+    )
+    pid = int(ended.stdout)
+    for _ in range(200):
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    os.kill(pid, signal.SIGKILL)
+    pytest.fail("the worker is still there")
