@@ -8,6 +8,7 @@ from identify.diagnosis.guidance import Guidance, what_it_gave
 from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import Limits
 from identify.diagnosis.so_far import SoFar
+from identify.diagnosis.weighed_anew import weighed_anew
 from identify.fitting.problem import Problem
 from identify.priors import DOUBT, RIVALS_WITHIN
 from tests.identify.specimens import Specimen
@@ -157,3 +158,11 @@ def test_odds_agree_with_the_verdict(small_cubic):
     whole = diagnose((Specimen("mains_hum", 0.02, 19).release(7.0),))
     assert whole.named == ("mains_hum",)
     assert whole.hypotheses[0].names == ("mains_hum",)
+
+
+def test_hypotheses_are_weighed_anew_by_a_release_that_decides(small_cubic):
+    specimen, found = small_cubic
+    assert found.hypotheses[0].names != ("cubic_stiffness",)  # it is not decided
+    first = weighed_anew(found.hypotheses, (specimen.release(7.0),), specimen.release(25.0, 1))
+    assert first[0].names == ("cubic_stiffness",)
+    assert odds(first)[0] > 0.99
