@@ -118,7 +118,7 @@ _TUNED = 0.1
 _LASTING = 3.0
 """Amplitudes' decay, as an exponent over the record, up to which a line lasts like a harmonic of the motion."""
 
-_CLOSE, _WIDE, _APART = 300, 30, 2.0
+_WIDE = 30
 _SHARP, _SHARPLY_APART = 600, 2.2
 _DYING = ((2.0, 3.0, 250), (8.0, 8.0, 100))
 """Second masses that die within the record: exponent of the decay over it, distance of lines times it, and most lines."""
@@ -129,14 +129,6 @@ def _line_starts(scales: Scales) -> Starts:
     frequencies = [2.0 * pi * line for line in scales.line_frequencies]
     frequencies += [0.4 * scales.frequency * 1.1**i for i in range(32)]
     return tuple((frequency, 0.02) for frequency in frequencies if frequency < highest)
-
-
-def _fine_line_starts(scales: Scales) -> Starts:
-    """Return frequencies as close as the record resolves them, up to a number, where little is lost; farther apart else."""
-    low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
-    close = np.linspace(low, high, min(_CLOSE, int((high - low) * scales.duration / _APART) + 2))
-    wide = np.geomspace(low, high, _WIDE)
-    return tuple((float(w), 0.003) for w in close) + tuple((float(w), 0.04) for w in wide)
 
 
 def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
@@ -154,7 +146,7 @@ def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
 
 
 def _reachable_lines(scales: Scales) -> Starts:
-    """Return the same as close as the peaks of an undamped one, and of those that die within the record."""
+    """Return frequencies as close as the peaks of an undamped one, and of those that die within the record."""
     low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
     lines = (high - low) * scales.duration
     close = np.linspace(low, high, min(_SHARP, int(lines / _SHARPLY_APART) + 2))
@@ -181,7 +173,6 @@ SECOND_MASS = ForceEffect(
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_line_starts,
     plausible=_has_a_line_of_its_own,
-    fine_starts=_fine_line_starts,
     reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
     symptom="a second line that starts at the release and decays on its own; beats; another mode of the rig looks the same",

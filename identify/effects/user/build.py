@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
-from typing import Any
 
 import numpy as np
 
@@ -18,11 +17,6 @@ from identify.effects.user.initial_values import combinations, problem_of, start
 from identify.effects.user.linearity import Draw, acting_together, check_values, points_near
 
 _NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
-
-
-@force_function
-def _nothing(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return 0.0
 
 
 def finished(
@@ -55,8 +49,8 @@ def finished(
         parameters=parameters,
         symptom=symptom or "what your formula says",
         confirming_test=confirming_test or "a recording in which your formula predicts a large change",
-        force=_nothing if draft.force is None else _compiled(draft.force),
-        friction=None if draft.friction is None else _compiled(draft.friction),
+        force=force_function(draft.force, cache=False),
+        friction=None if draft.friction is None else force_function(draft.friction, cache=False),
         rates=rates,
         equilibrium_state=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
         if states
@@ -67,10 +61,6 @@ def finished(
         nonsmooth=True,
         of_time=_of_time(draft, draw),
     )
-
-
-def _compiled(function: Any) -> Any:
-    return function if hasattr(function, "signatures") else force_function(function, cache=False)
 
 
 def _parameters(

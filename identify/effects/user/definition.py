@@ -1,14 +1,13 @@
-"""A user's own effect: a formula on the command line, or a few lines in a Python file."""
+"""A user's own effect: a formula on the command line, or formulas in a Python file."""
 
 import ast
-from collections.abc import Callable
 
 from identify.effects.compiled import STATES
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.effects.user.build import finished
-from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
+from identify.effects.user.draft import NAME, VARIABLES, from_formulas
 from identify.effects.user.formula import CONSTANTS, FUNCTIONS, ZERO, parse_formula
 from identify.effects.user.measured_curve import curve_effect, read_curve
 from identify.effects.user.settings import OwnSetting, read_setting
@@ -59,9 +58,9 @@ def parse_effect(text: str) -> ForceEffect:
 
 def own_effect(
     name: str,
-    force: str | Callable[..., float] = "",
+    force: str = "",
     *,
-    friction: str | Callable[..., float] = "",
+    friction: str = "",
     rates: tuple[str, ...] = (),
     parameters: tuple[Parameter, ...] = (),
     starts: dict[str, tuple[float, ...]] | None = None,
@@ -71,9 +70,8 @@ def own_effect(
 ) -> ForceEffect:
     """Return an effect of the user's own.
 
-    `force` and `friction` (a level >= 0 against the velocity) are both formulas in t, u, v, z0, z1 and parameters, or
-    both Python functions of (t, u, v, parameters...) that numba can compile, their strength first; `rates` are formulas
-    of the rates of up to two internal states z0 and z1. `parameters` gives units, meanings and bounds,
+    `force` and `friction` (a level >= 0 against the velocity) are formulas in t, u, v, z0, z1 and parameters; `rates` are
+    formulas of the rates of up to two internal states z0 and z1. `parameters` gives units, meanings and bounds,
     `starts` starting values of inner parameters. The force must be proportional to one parameter; a formula that
     is to none has one called `scale` put before it. Raises ValueError, in a sentence, when it cannot be used.
     """
@@ -83,14 +81,9 @@ def own_effect(
     if len(rates) > STATES:
         raise ValueError(f"{name}: at most {STATES} internal states, not {len(rates)}")
     changes = tuple(_parsed(name, f"rate {i + 1}", rate) for i, rate in enumerate(rates))
-    if callable(force) or callable(friction):
-        draft = from_functions(name, force, friction, changes, tuple(p.name for p in parameters))
-    else:
-        pull, level = _parsed(name, "force", force), _parsed(name, "friction", friction)
-        dry = f"({friction}) sgn(v)" if friction else ""
-        draft = from_formulas(
-            name, pull, level, changes, " + ".join(x for x in (str(force).strip(), dry) if x)
-        )
+    pull, level = _parsed(name, "force", force), _parsed(name, "friction", friction)
+    dry = f"({friction}) sgn(v)" if friction else ""
+    draft = from_formulas(name, pull, level, changes, " + ".join(x for x in (str(force).strip(), dry) if x))
     return finished(
         draft, parameters, starts or {}, title=title, symptom=symptom, confirming_test=confirming_test
     )

@@ -2,14 +2,13 @@
 
 import ast
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import PARAMETERS, force_function
+from identify.effects.compiled import PARAMETERS
 from identify.effects.user.formula import (
     FUNCTIONS,
     ZERO,
@@ -22,7 +21,6 @@ from identify.effects.user.formula import (
     to_compile,
 )
 from identify.effects.user.linearity import Values, proportion
-from identify.effects.user.python_function import along, compiled, parameters_of, placed
 
 VARIABLES = ("t", "u", "v", "z0", "z1")
 _MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", "speed", "xdot", "x_dot",
@@ -65,7 +63,11 @@ def from_formulas(
     if scaled:
         strength = next(free for free in ("scale", "strength", "factor") if free not in names)
         whole, equation = times(ast.Name(strength, ast.Load()), whole), f"{strength} ({equation})"
-    names = _within_most((strength, *(n for n in names if n != strength)), f"{name}: ")
+    names = (strength, *(n for n in names if n != strength))
+    if len(names) > PARAMETERS:
+        raise ValueError(
+            f"{name}: {len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
+        )
     smooth, level = slipping(whole) or (whole, None)
     return Draft(
         name=name,
@@ -115,54 +117,3 @@ def _parameter_names(name: str, formulas: tuple[ast.expr, ...], states: int) -> 
         if not NAME.fullmatch(node.id):
             raise ValueError(f"{where}: '{node.id[:40]}' cannot be a parameter's name")
     return tuple(dict.fromkeys(node.id for node in found if node.id not in VARIABLES))
-
-
-def _within_most(names: tuple[str, ...], where: str) -> tuple[str, ...]:
-    if len(names) > PARAMETERS:
-        raise ValueError(
-            f"{where}{len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
-        )
-    return names
-
-
-def from_functions(
-    name: str,
-    force: str | Callable[..., float],
-    friction: str | Callable[..., float],
-    rates: tuple[ast.expr, ...],
-    listed: tuple[str, ...],
-) -> Draft:
-    """Return the draft of an effect of Python functions, compiled; ValueError when they are of another kind."""
-    if (isinstance(force, str) and force) or (isinstance(friction, str) and friction):
-        raise ValueError(f"{name}: force and friction must both be formulas or both be functions")
-    functions = tuple(f if callable(f) else None for f in (force, friction))
-    try:
-        found = [n for f in functions if f is not None for n in parameters_of(f, listed)]
-        names = _within_most(tuple(dict.fromkeys([*found, *_parameter_names(name, rates, len(rates))])), "")
-        made = [None if f is None else compiled(force_function, placed(f, names)) for f in functions]
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from error
-    of_rates = _values_of(rates, names)
-
-    def values(p: dict[str, float], points: dict[str, Array]) -> tuple[Array, ...]:
-        ordered = {n: p[n] for n in names}
-        parts = [
-            np.zeros(len(points["u"])) if f is None else along(f, PARAMETERS, points, ordered) for f in made
-        ]
-        return (*parts, *of_rates(p, points))
-
-    kind = proportion(values, names, names[0])
-    if kind == "no":
-        raise ValueError(
-            f"{name}: the force must be proportional to its first parameter, and is not to {names[0]}"
-        )
-    return Draft(
-        name=name,
-        names=names,
-        values=values,
-        force=made[0],
-        friction=made[1],
-        rates=rates,
-        equation=f"{name}(t, u, v)",
-        positive=kind == "from zero up",
-    )
