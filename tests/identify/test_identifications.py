@@ -10,10 +10,7 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.noise import estimate_noise
 from identify.preprocessing.release import release_of
-from identify.restoring_force.restoring_force import (
-    identify_restoring_force,
-    identify_restoring_force_as_recorded,
-)
+from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 
@@ -77,16 +74,6 @@ def test_stated_errors_cover_the_truth(method):
             scores.append((value - TRUTH[name]) / std)
     # 36 correlated scores of unit variance: their rms lies within 0.6 and 1.5 in more than 99 % of cases.
     assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 1.5
-
-
-def test_without_alignment_mu_1_is_off_by_w0_squared_times_the_lag():
-    lag = 1.3e-3
-    sample = draw(None, 0.0, 5, stiffness=614.0, mu_0=0.13, mu_1=0.277, amplitude=0.02, lag=lag)
-    decay = decay_of(sample)
-    raw = identify_restoring_force_as_recorded(decay, 1).damping[1].value
-    aligned = identify_restoring_force(correct(decay, align(decay)), 1).damping[1].value
-    assert raw - aligned == pytest.approx(614.0 * lag, rel=0.03)  # first order in w0 lag
-    assert aligned == pytest.approx(0.277, rel=0.02)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -149,6 +149,5 @@ def identification() -> Identification:
         aligned=recorded.with_(displacement=moved),
         wavelet=wavelet(),
         restoring_force=restoring_force(),
-        without_alignment=restoring_force(VISCOUS + OMEGA**2 * LAG),
         refusals={},
     )

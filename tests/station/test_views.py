@@ -177,7 +177,6 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
             | {
                 "wavelet": None,
                 "restoring_force": None,
-                "without_alignment": None,
                 "alignment": None,
                 "refusals": {
                     "wavelet": "too few cycles",
@@ -197,9 +196,7 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
 @pytest.mark.usefixtures("unrendered")
 def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path):
     alone = result.decay.with_(displacement=None, noise_displacement=None)
-    one = Identification(
-        **(vars(result) | {"decay": alone, "aligned": alone, "alignment": None, "without_alignment": None})
-    )
+    one = Identification(**(vars(result) | {"decay": alone, "aligned": alone, "alignment": None}))
     path = tmp_path / "alone.rrd"
     wavelet = vars(result.wavelet) | {"channel": "acceleration"}
     one = Identification(**(vars(one) | {"wavelet": type(result.wavelet)(**wavelet)}))
