@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from identify.estimate import Estimate
 
-_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl", "lugre": "LuGre",
+_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl",
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 

@@ -1,10 +1,10 @@
 """Friction before sliding: an asperity bends as a spring does, and slides in the end."""
 
-from math import exp, inf
+from math import inf
 
 from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
-from identify.effects.effect import Parameter, Scales, Starts
+from identify.effects.effect import Parameter, Scales
 from identify.effects.force_effect import ForceEffect, share_of_yield
 
 _SHORTEST = 0.01
@@ -53,48 +53,5 @@ DAHL_FRICTION = ForceEffect(
     symptom="dry friction that rises gradually after each reversal, without a jump; stiffer at small amplitude",
     confirming_test="move the mass by less than ud, slowly: it springs back",
     confusable_with=("hysteresis", "coulomb_friction", "position_dependent_friction"),
-    nonsmooth=True,
-)
-
-
-_MOST_RISE = 5.0
-
-
-@rate_function
-def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    if p[1] <= 0.0:
-        return 0.0, 0.0
-    ratio = v / p[3]
-    return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-ratio * ratio))) / p[1], 0.0
-
-
-def _lugre_starts(scales: Scales) -> Starts:
-    return tuple((share * scales.amplitude, 0.5, 0.2 * scales.speed) for share in (0.03, 0.1))
-
-
-LUGRE_FRICTION = ForceEffect(
-    name="lugre_friction",
-    title="friction that gives way before it slides, and rises at low speed (LuGre)",
-    equation="kd ud z,  z' = (v/ud) (1 - z/(1 + rise exp(-(v/vs)^2)) sgn v)",
-    parameters=(
-        Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
-        Parameter(
-            "ud", "m", "displacement over which it gives way at speed; kd ud is the friction", 0.0, inf
-        ),
-        Parameter("rise", "1", "relative rise of the friction towards rest", 0.0, _MOST_RISE),
-        Parameter("vs", "m/s", "speed at which the rise has fallen to 1/e", 0.0, inf),
-    ),
-    force=_spring,
-    rates=_lugre_rates,
-    states=1,
-    largest_state=1.0 + _MOST_RISE,
-    fading_memory=False,
-    equilibrium_state=_pulled,
-    starts=_lugre_starts,
-    gives_way=lambda p: float(p[1]),
-    plausible=_slides,
-    symptom="dry friction that rises gradually after each reversal, without a jump; extra loss near the end of the decay",
-    confirming_test="pull slowly, then faster: the force falls as the speed rises",
-    confusable_with=("dahl_friction", "stribeck_friction", "hysteresis"),
     nonsmooth=True,
 )

@@ -25,12 +25,6 @@ LEAD_S = 0.015
 UNFREE_SHARE = 0.35
 """A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
 
-SUDDEN_SHARE = 0.01
-"""A release is sudden where a switch from held to free describes it to this share of its size: in a fifth of a period."""
-
-SUDDEN_WAIT = 0.25
-"""Share of a period after which a sudden release is over."""
-
 BEAT_SHARE = 0.9
 """A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
@@ -231,27 +225,13 @@ def _release(
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))
-    letting_go = _letting_go(rate, period, *onsets[0]) + (2.0 * onset.std if onset.std > 1.0 else 0.0)
+    # a hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most
+    hand = min(max(HAND_S * rate, 0.05 * period), period)
+    letting_go = hand + (2.0 * onset.std if onset.std > 1.0 else 0.0)
     settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
     rest = _rest(channels, found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
-
-
-def _letting_go(rate: float, period: float, channel: _Channel, onset: Onset | None) -> float:
-    """Count the samples after the onset until the motion is surely free.
-
-    A hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most.
-    Where 30 ms is more than half a period, a hand would show: a release that a switch describes, as a magnet or a
-    hammer makes it, is over sooner, and the first cycle, the largest, is kept. `onset` is that of the lowest channel,
-    in which a jump of the force is no jump.
-    """
-    hand = min(max(HAND_S * rate, 0.05 * period), period)
-    if onset is None or onset.misfit == 0.0 or hand <= 0.5 * period:
-        return hand
-    size = max(abs(onset.displaced), abs(onset.impulse))
-    sudden = onset.misfit - channel.noise**2 < (SUDDEN_SHARE * size) ** 2
-    return SUDDEN_WAIT * period if sudden else hand
 
 
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
@@ -284,7 +264,7 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
     ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
-    return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
+    return Onset(around, 0.05 * period, level, 0.0, 0.0, 0.0)
 
 
 def _rest(

@@ -34,9 +34,9 @@ class RestoringForceResult(Summarised):
     constant force per unit mass. `mse_percent_by_order` is eq. (18) for damping orders 0..max (fig. 3b),
     `significance_percent` eq. (19) by term name. Points used, shape (n,): `time` (s, on the record's
     clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14) and `force_fit`. The surface on a grid:
-    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted, `visited` (q, p) counts of points.
-    Sections at v = 0 and u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a
-    recorded force says of the mass, in the force's unit over m/s^2, when none was given; None otherwise.
+    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted. Sections at v = 0 and
+    u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a recorded force says of the mass,
+    in the force's unit over m/s^2, when none was given; None otherwise.
     """
 
     stiffness: Estimate
@@ -57,7 +57,6 @@ class RestoringForceResult(Summarised):
     grid_displacement: Array
     grid_velocity: Array
     surface: Array
-    visited: Array
     section_zero_velocity: Section
     section_zero_displacement: Section
     stiffness_per_mass: Estimate
@@ -134,7 +133,7 @@ def _result(
         j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
     }
     first = next(iter(per_mass))
-    grid_u, grid_v, surface, visited = grid_of(polynomial, u, v)
+    grid_u, grid_v, surface = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
     return RestoringForceResult(
         stiffness=by_order[first],
@@ -157,7 +156,6 @@ def _result(
         grid_displacement=grid_u,
         grid_velocity=grid_v,
         surface=surface,
-        visited=visited,
         section_zero_velocity=at_rest,
         section_zero_displacement=at_zero,
         stiffness_per_mass=per_mass[first],

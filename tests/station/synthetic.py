@@ -90,7 +90,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         return OMEGA**2 * u + FRICTION * np.sign(v) + viscous * v
 
     f = force(u, v)
-    counts, _, _ = np.histogram2d(v, u, bins=(41, 41))
 
     def section(position, values):
         return Section(
@@ -119,7 +118,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         grid_displacement=grid_u,
         grid_velocity=grid_v,
         surface=force(grid_u[None, :], grid_v[:, None]),
-        visited=counts,
         section_zero_velocity=section(grid_u, force(grid_u, 0 * grid_u)),
         section_zero_displacement=section(grid_v, force(0 * grid_v, grid_v)),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.03, "1/s^2"),
