@@ -2,10 +2,10 @@
 
 from math import inf
 
-from identify.arrays import Array
-from identify.effects.compiled import force_function, rate_function
+from identify.effects.compiled import rate_function
 from identify.effects.effect import Parameter, Scales
-from identify.effects.force_effect import ForceEffect, share_of_yield
+from identify.effects.force_effect import ForceEffect
+from identify.effects.joint import held_state, joint_force
 
 _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
@@ -14,18 +14,9 @@ _SHORTEST = 0.01
 _DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2, 1.8, 2.5, 4.0, 6.0, 15.0, 60.0)
 
 
-@force_function
-def _spring(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[1] * z[0]
-
-
 @rate_function
 def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (v - abs(v) * z[0]) / p[1] if p[1] > 0.0 else 0.0, 0.0
-
-
-def _pulled(u: float, p: Array) -> tuple[float, float]:
-    return share_of_yield(u, float(p[1]))
 
 
 def _slides(values: dict[str, float], scales: Scales) -> bool:
@@ -40,12 +31,12 @@ DAHL_FRICTION = ForceEffect(
         Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
         Parameter("ud", "m", "displacement over which it gives way; kd ud is the friction", 0.0, inf),
     ),
-    force=_spring,
+    force=joint_force,
     rates=_dahl_rates,
     states=1,
     largest_state=1.0,
     fading_memory=False,
-    equilibrium_state=_pulled,
+    equilibrium_state=held_state,
     starts=lambda scales: tuple((share * scales.amplitude,) for share in (0.03, 0.1, 0.3)),
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _DISPLACEMENTS),
     gives_way=lambda p: float(p[1]),

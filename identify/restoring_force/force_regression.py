@@ -23,7 +23,6 @@ from identify.signal.weak_form import (
     Windows,
     band_of,
     factor_of,
-    is_positive,
     rows_of,
     solve,
     widened,
@@ -160,10 +159,12 @@ def _covariance(window: ForceWindow, windows: Windows, mu_1: float, k_1: float) 
     kernel = windows.curvature + k_1 * windows.kernel - mu_1 * windows.slope
     w, rate = window.angular_frequency, window.motion.rate
     band = band_of(windows, kernel, rate, _above(window.noise, w))
-    if is_positive(band):
-        return band
-    # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
-    return float(window.noise(np.array([w]))[0]) * band_of(windows, kernel, rate, np.ones_like)
+    try:
+        factor_of(band)
+    except np.linalg.LinAlgError:
+        # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
+        return float(window.noise(np.array([w]))[0]) * band_of(windows, kernel, rate, np.ones_like)
+    return band
 
 
 def _above(spectrum: Callable[[Array], Array], w: float) -> Callable[[Array], Array]:

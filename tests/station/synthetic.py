@@ -71,7 +71,6 @@ def wavelet() -> WaveletResult:
         scalogram_time=time[::8],
         backbone_amplitude=k[order][::20],
         backbone_frequency=np.full(len(k[::20]), OMEGA / 2 / np.pi),
-        hilbert_envelope=k * (1 + 0.01 * np.sin(40 * time)),
         backbone_fit=np.full(len(k[::20]), OMEGA / 2 / np.pi),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.01, "1/s^2"),
         stiffness_reason="the frequency does not change with the amplitude",

@@ -59,7 +59,7 @@ def finished(
         fading_memory=settles or not states,
         starts=_starts_function(parameters[1:], starts, _even(draft, draw)),
         nonsmooth=True,
-        of_time=_of_time(draft, draw),
+        of_time=draft.of_time,
     )
 
 
@@ -131,16 +131,6 @@ def _even(draft: Draft, draw: Draw) -> frozenset[str]:
             if not all(alike) and not all((*turned[:2], *alike[2:])):
                 even.discard(name)
     return frozenset(even)
-
-
-def _of_time(draft: Draft, draw: Draw) -> bool:
-    """Check whether the force is another at another time, all else alike."""
-    random = np.random.default_rng(6)
-    p = draw(random)
-    points = points_near(random, p)
-    later = points | {"t": points["t"] + random.uniform(0.1, 3.0, len(points["t"]))}
-    pairs = zip(draft.values(p, points), draft.values(p, later), strict=True)
-    return not all(_same(once, then) for once, then in pairs)
 
 
 def _same(first: Array, second: Array) -> bool:

@@ -36,7 +36,7 @@ class Draft:
     """An effect before it is checked: its parameters, the strength first, and its parts as functions (t, u, v, z, p).
 
     `positive` says that the force is proportional for strengths from zero up only, `scaled` that the strength was put
-    before a formula that had none.
+    before a formula that had none, `of_time` that time stands in it.
     """
 
     name: str
@@ -47,7 +47,8 @@ class Draft:
     rates: tuple[ast.expr, ...]
     equation: str
     positive: bool
-    scaled: bool = False
+    scaled: bool
+    of_time: bool
 
 
 def from_formulas(
@@ -79,6 +80,7 @@ def from_formulas(
         equation=equation,
         positive=kinds.get(strength) == "from zero up",
         scaled=scaled,
+        of_time=any(node.id == "t" for part in (force, friction, *rates) for node in names_in(part)),
     )
 
 
