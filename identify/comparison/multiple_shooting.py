@@ -5,10 +5,12 @@ than of the present one. Started anew every cycle from the measured state, the m
 is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from identify.arrays import Array
 from identify.effects.force_effect import LinearPart
@@ -66,16 +68,20 @@ class MultipleShooting:
     gain: float
     step: Array
 
-    def whitened(self, change: dict[str, Array]) -> Array:
-        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
-        columns = next(iter(change.values())).shape[1]
-        out = np.empty((len(self.misfit), columns))
+    def places(self) -> Iterator[tuple[str, slice, NDArray[np.intp]]]:
+        """Yield a channel, its rows and the samples that they are of, segment after segment."""
         for segment in self.segments:
             at = segment.rows.start
             for channel in self.window.channels:
                 used = np.flatnonzero(self.window.used[channel][segment.start : segment.stop]) + segment.start
-                out[at : at + len(used)] = change[channel][used] / self.window.sigma[channel]
+                yield channel, slice(at, at + len(used)), used
                 at += len(used)
+
+    def whitened(self, change: dict[str, Array]) -> Array:
+        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
+        out = np.empty((len(self.misfit), next(iter(change.values())).shape[1]))
+        for channel, rows, samples in self.places():
+            out[rows] = change[channel][samples] / self.window.sigma[channel]
         return out
 
     def without_states(self, rows: Array) -> Array:

@@ -108,25 +108,19 @@ def correct(decay: FreeDecay, alignment: Alignment) -> FreeDecay:
     The acceleration is divided by its gain, so that it is the second derivative of the displacement.
     Samples that the move takes from beyond the record, or from a lost sample, are marked as not valid.
     """
-    name = "displacement" if decay.displacement is not None else "velocity"
-    values = getattr(decay, name)
-    if values is None or decay.acceleration is None:
-        raise NotIdentifiable("There is only one channel: nothing to move it against.")
+    (name, values), *_ = decay.channels.items()
     moved, known = read_at_shift(values, alignment.lag.value * decay.rate, decay.valid)
     valid = known if decay.valid is None else known & decay.valid
-    acceleration = decay.acceleration / alignment.gain.value
+    acceleration = decay.channels["acceleration"] / alignment.gain.value
     return decay.with_(
         **{name: moved, "acceleration": acceleration, "valid": None if bool(valid.all()) else valid}
     )
 
 
 def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
-    """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
-    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
-        raise NotIdentifiable(ONE_CHANNEL)
+    """Return the displacement (or velocity) and the acceleration with the variance of every sample."""
     (low_name, low), *_ = decay.channels.items()
-    order = 2 if low_name == "displacement" else 1
-    high = decay.acceleration
+    order, high = 2 if low_name == "displacement" else 1, decay.channels["acceleration"]
     valid, levels = decay.known, noise_levels(decay)
     noise_low, noise_high = levels[low_name], levels["acceleration"]
     variance_low, variance_high = np.full(len(decay), noise_low**2), np.full(len(decay), noise_high**2)

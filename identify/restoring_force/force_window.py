@@ -10,6 +10,7 @@ from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import flat_frequency
+from identify.preprocessing.equation_error import regress
 from identify.preprocessing.motion import Motion
 from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.usable import first_free_sample, last_large_sample, require_cycles
@@ -103,25 +104,19 @@ def window_of(decay: FreeDecay, motion: Motion) -> ForceWindow:
     envelope = largest[: len(speed)] / w
     quiet = _STOP_AT_NOISE * float(np.sqrt(noise(np.array([w]))[0]))
     dry = 0.04 * float(np.max(envelope))
-    for _ in range(2):
+    for _ in range(3):
         stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
         stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
         window = ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
         dry = max(0.0, _dry_friction(window)) / w**2
-    stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
-    stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
-    return ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
+    return window
 
 
 def _dry_friction(window: ForceWindow) -> float:
     """Plain least squares of eq. (15) of first order: a first value for mu_0."""
-    u, v, a = (
-        window.cut(x)
-        for x in (window.motion.displacement, window.motion.velocity, window.motion.acceleration)
-    )
-    columns = np.stack([np.sign(v), v, u, np.ones_like(u)], axis=1)[window.valid]
-    scale = np.linalg.norm(columns, axis=0) + 1e-300
-    return float((np.linalg.lstsq(columns / scale, -a[window.valid], rcond=None)[0] / scale)[0])
+    motion = window.motion
+    u, v, a = (window.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
+    return float(regress(-a, np.stack([np.sign(v), v, u], axis=1), window.valid).strengths[0])
 
 
 def points_of(window: ForceWindow) -> NDArray[np.int_]:
