@@ -163,19 +163,13 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
     excess = max(found.chi_square / max(found.degrees, 1), LEAST_EXCESS)
     gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
     method = f"maximum likelihood of acceleration against {name}, kinematics only"
-    cautions, lag = [], Estimate(found.lag, float(lag_std), "s")
-    if stated is not None and _contradict(lag, stated):
+    cautions = []
+    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
+        raise NotIdentifiable(TOO_LITTLE)
+    if stated is not None and abs(found.lag - stated.value) > CONTRADICTION * np.hypot(lag_std, stated.std):
         cautions.append(
             f"The data sheets make the lag {1e3 * stated.value:.3g} ms: suspect the delays that the board states."
         )
-    elif stated is not None:
-        lag = _combined(lag, stated)
-        method += (
-            f", with the {1e3 * stated.value:.3g} ± {1e3 * stated.std:.2g} ms of the data sheets as prior"
-        )
-    lag_std = lag.std
-    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
-        raise NotIdentifiable(TOO_LITTLE)
     if excess > 1.5:
         cautions.append(
             f"The channels disagree by {np.sqrt(excess):.1f} times their noise even when aligned: suspect a sensor."
@@ -184,17 +178,5 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
         cautions.append("The two channels have opposite signs.")
     if lag_std * frequency > 0.002:
         cautions.append("The lag is known to no better than 0.2 % of a period: record a larger release.")
-    return Alignment(lag, Estimate(found.gain, float(gain_std), "1"), method, " ".join(cautions))
-
-
-def _contradict(found: Estimate, stated: Estimate) -> bool:
-    return abs(found.value - stated.value) > CONTRADICTION * float(np.hypot(found.std, stated.std))
-
-
-def _combined(found: Estimate, stated: Estimate) -> Estimate:
-    """Return the mean of two estimates of one lag, weighed by their variances: a normal prior."""
-    if not np.isfinite(found.std):
-        return stated
-    weights = 1.0 / max(found.std, 1e-300) ** 2, 1.0 / max(stated.std, 1e-300) ** 2
-    mean = (weights[0] * found.value + weights[1] * stated.value) / sum(weights)
-    return Estimate(float(mean), float(sum(weights) ** -0.5), "s")
+    lag, gain = Estimate(found.lag, float(lag_std), "s"), Estimate(found.gain, float(gain_std), "1")
+    return Alignment(lag, gain, method, " ".join(cautions))

@@ -20,13 +20,7 @@ _NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
 
 
 def finished(
-    draft: Draft,
-    listed: tuple[Parameter, ...],
-    starts: dict[str, tuple[float, ...]],
-    *,
-    title: str = "",
-    symptom: str = "",
-    confirming_test: str = "",
+    draft: Draft, listed: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]]
 ) -> ForceEffect:
     """Return the effect of a draft, with the parameters and starting values that the user listed.
 
@@ -44,11 +38,11 @@ def finished(
     settles = bool(states) and comes_to_rest(rates, states, draw)
     return ForceEffect(
         name=draft.name,
-        title=title or f"{draft.name} (your own)",
+        title=f"{draft.name} (your own)",
         equation=draft.equation,
         parameters=parameters,
-        symptom=symptom or "what your formula says",
-        confirming_test=confirming_test or "a recording in which your formula predicts a large change",
+        symptom="what your formula says",
+        confirming_test="a recording in which your formula predicts a large change",
         force=force_function(draft.force, cache=False),
         friction=None if draft.friction is None else force_function(draft.friction, cache=False),
         rates=rates,

@@ -28,7 +28,6 @@ _MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", 
 """Names that somebody gives to displacement, velocity or time, not to a parameter."""
 
 NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
-_SLIP = ast.Call(ast.Name("sgn", ast.Load()), [ast.Name("v", ast.Load(), col_offset=0)], [])
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,25 +50,25 @@ class Draft:
     of_time: bool
 
 
-def from_formulas(
-    name: str, force: ast.expr, friction: ast.expr, rates: tuple[ast.expr, ...], equation: str
-) -> Draft:
-    """Return the draft of an effect of formulas; what goes with sgn(v) joins the friction. ValueError when it is none."""
-    names = _parameter_names(name, (force, friction, *rates), len(rates))
-    _check_slip(name, (force, friction))
-    whole = force if friction is ZERO else ast.BinOp(force, ast.Add(), times(friction, _SLIP))
-    kinds = {n: proportion(_values_of((whole, ZERO), names), names, n) for n in names}
+def from_formulas(name: str, force: ast.expr, rates: tuple[ast.expr, ...], equation: str) -> Draft:
+    """Return the draft of an effect of formulas; what goes with sgn(v) is friction. ValueError when it is no effect."""
+    names = _parameter_names(name, (force, *rates), len(rates))
+    _check_slip(name, force)
+    kinds = {n: proportion(_values_of((force, ZERO), names), names, n) for n in names}
     strength = next((n for kind in ("always", "from zero up") for n in names if kinds[n] == kind), "")
     scaled = not strength
     if scaled:
         strength = next(free for free in ("scale", "strength", "factor") if free not in names)
-        whole, equation = times(ast.Name(strength, ast.Load()), whole), f"{strength} ({equation})"
+        force, equation = (
+            times(ast.Name(strength, ast.Load(), col_offset=0), force),
+            f"{strength} ({equation})",
+        )
     names = (strength, *(n for n in names if n != strength))
     if len(names) > PARAMETERS:
         raise ValueError(
             f"{name}: {len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
         )
-    smooth, level = slipping(whole) or (whole, None)
+    smooth, level = slipping(force) or (force, None)
     return Draft(
         name=name,
         names=names,
@@ -80,7 +79,7 @@ def from_formulas(
         equation=equation,
         positive=kinds.get(strength) == "from zero up",
         scaled=scaled,
-        of_time=any(node.id == "t" for part in (force, friction, *rates) for node in names_in(part)),
+        of_time=any(node.id == "t" for part in (force, *rates) for node in names_in(part)),
     )
 
 
@@ -95,8 +94,8 @@ def _values_of(parts: tuple[ast.expr, ...], names: tuple[str, ...]) -> Values:
     return values
 
 
-def _check_slip(name: str, formulas: tuple[ast.expr, ...]) -> None:
-    for node in (below for formula in formulas for below in ast.walk(formula)):
+def _check_slip(name: str, formula: ast.expr) -> None:
+    for node in ast.walk(formula):
         if is_sign(node) and not is_slip_direction(node) and any(below.id == "v" for below in names_in(node)):
             raise ValueError(
                 f"{name}: character {node.col_offset}: dry friction is written with sgn(v) alone; of anything else with v "
