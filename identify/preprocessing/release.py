@@ -14,7 +14,7 @@ from identify.preprocessing.sampling import block_means, first_gap, over_gaps, t
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
-from identify.signal.running import running_maximum, running_median, running_minimum, runs_of
+from identify.signal.running import running_maximum, running_minimum, runs_of
 from identify.signal.smoothing import without_line
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
@@ -128,30 +128,15 @@ def _channels(decay: FreeDecay) -> list[_Channel]:
     channels = []
     for name, values in decay.channels.items():
         known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
-        clean = _without_spikes(bridge(values, known))
-        channels.append(_Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
+        whole = bridge(values, known)
+        channels.append(_Channel(whole, CHANNELS.index(name), floor_above_motion(whole, known).std, ~known))
     return channels
-
-
-def _without_spikes(values: Array) -> Array:
-    """Replace single samples far off the cubic through their neighbours.
-
-    A spike of height s puts its neighbours off by 2 s/3, a jump puts the samples on either side off equally: it stays.
-    """
-    if len(values) < 16:
-        return values
-    padded = np.pad(values, 2, mode="edge")
-    cubic = np.correlate(padded, np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0, "valid")
-    off = np.abs(values - cubic)
-    beside = np.maximum(np.pad(off[1:], (0, 1)), np.pad(off[:-1], (1, 0)))
-    spike = (off > 1.25 * beside) & (off > 12.0 * float(np.median(off)) + 0.03 * float(np.ptp(values)))
-    return np.where(spike, cubic, values)
 
 
 def _bursts(lead: _Channel, period: float) -> list[_Burst]:
     """Find sustained oscillations by their running amplitude: a steep rise, then more than a pulse."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = _coarse(lead, step, period)
+    coarse = block_means(lead.values, step)
     turn = period / step
     n, lap = len(coarse), max(4, round(turn))
     amplitude = over_gaps(running_amplitude(coarse, lap), lead.lost, step, lap)
@@ -202,15 +187,6 @@ def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
     return peak + end
 
 
-def _coarse(channel: _Channel, step: int, period: float) -> Array:
-    """Block means; an acceleration is freed of blows shorter than a twelfth of a period by a running median."""
-    means = block_means(channel.values, step)
-    if channel.derivative < 2:
-        return means
-    width = 2 * max(1, round(period / step / 12.0)) + 1
-    return running_median(means, width)
-
-
 def _release(
     rate: float, channels: list[_Channel], period: float, burst: _Burst, number: int, bursts: list[_Burst]
 ) -> Release:
@@ -237,7 +213,7 @@ def _release(
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
     """Where the hand's force ends, coarsely, then by the change-point fit; None when nothing held the mass."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = _coarse(channel, step, period)
+    coarse = block_means(channel.values, step)
     turn = period / step
     first = max(int(burst.start / step - 1.2 * turn), earliest // step, 0)
     last = min(int(burst.start / step + 2.0 * turn) + 1, len(coarse))
@@ -275,7 +251,7 @@ def _rest(
     onset: float,
     earliest: int,
 ) -> tuple[int, int]:
-    """The quiet samples before the onset; an earlier stretch when there are too few next to it, as of a trembling hand."""
+    """The last quiet samples before the onset, (0, 0) where they are fewer than four."""
     stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
     if stop - earliest < 4:
         return (0, 0)
@@ -288,8 +264,6 @@ def _rest(
     if not runs:
         return (0, 0)
     first, last = runs[-1]
-    if last < len(quiet) - 2 or last - first < 24:
-        first, last = max(runs, key=lambda run: run[1] - run[0])
     return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
 
 
