@@ -14,7 +14,7 @@ from identify.preprocessing.sampling import block_means, first_gap, over_gaps, t
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
-from identify.signal.running import running_maximum, running_minimum, runs_of
+from identify.signal.running import running_maximum, running_median, running_minimum, runs_of
 from identify.signal.smoothing import without_line
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
@@ -136,7 +136,7 @@ def _channels(decay: FreeDecay) -> list[_Channel]:
 def _bursts(lead: _Channel, period: float) -> list[_Burst]:
     """Find sustained oscillations by their running amplitude: a steep rise, then more than a pulse."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = block_means(lead.values, step)
+    coarse = _coarse(lead, step, period)
     turn = period / step
     n, lap = len(coarse), max(4, round(turn))
     amplitude = over_gaps(running_amplitude(coarse, lap), lead.lost, step, lap)
@@ -187,6 +187,15 @@ def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
     return peak + end
 
 
+def _coarse(channel: _Channel, step: int, period: float) -> Array:
+    """Block means; an acceleration is freed of blows shorter than a twelfth of a period by a running median."""
+    means = block_means(channel.values, step)
+    if channel.derivative < 2:
+        return means
+    width = 2 * max(1, round(period / step / 12.0)) + 1
+    return running_median(means, width)
+
+
 def _release(
     rate: float, channels: list[_Channel], period: float, burst: _Burst, number: int, bursts: list[_Burst]
 ) -> Release:
@@ -213,7 +222,7 @@ def _release(
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
     """Where the hand's force ends, coarsely, then by the change-point fit; None when nothing held the mass."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = block_means(channel.values, step)
+    coarse = _coarse(channel, step, period)
     turn = period / step
     first = max(int(burst.start / step - 1.2 * turn), earliest // step, 0)
     last = min(int(burst.start / step + 2.0 * turn) + 1, len(coarse))

@@ -26,6 +26,12 @@ def running_minimum(values: Array, width: int) -> Array:
     return -running_maximum(-values, width)
 
 
+def running_median(values: Array, width: int) -> Array:
+    """Return the median of the `width` (odd) samples about each, shape (n,); the ends go on as they are."""
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, width // 2, mode="edge"), width)
+    return np.asarray(np.median(windows, axis=1))
+
+
 def runs_of(mask: Mask) -> list[tuple[int, int]]:
     """Return the first sample of each run of marked samples, and one past its end."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))

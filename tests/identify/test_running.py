@@ -6,7 +6,7 @@ from scipy import fft, ndimage
 from scipy.interpolate import BSpline
 
 from identify.signal.morlet import fast_length
-from identify.signal.running import running_maximum, running_minimum
+from identify.signal.running import running_maximum, running_median, running_minimum
 from identify.signal.splines import basis, clamped_knots, spline_and_derivatives
 
 READINGS = np.random.default_rng(1).normal(size=97)
@@ -16,6 +16,13 @@ READINGS = np.random.default_rng(1).normal(size=97)
 def test_extremes_are_those_of_the_samples_about_each(width: int) -> None:
     np.testing.assert_array_equal(running_maximum(READINGS, width), ndimage.maximum_filter1d(READINGS, width))
     np.testing.assert_array_equal(running_minimum(READINGS, width), ndimage.minimum_filter1d(READINGS, width))
+
+
+@pytest.mark.parametrize("width", [1, 5, 9])
+def test_the_median_is_that_of_the_samples_about_each(width: int) -> None:
+    np.testing.assert_array_equal(
+        running_median(READINGS, width), ndimage.median_filter(READINGS, width, mode="nearest")
+    )
 
 
 @pytest.mark.parametrize("spans", [1, 2, 9])
