@@ -12,12 +12,8 @@ import numpy as np
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import release_of
-from identify.restoring_force.restoring_force import (
-    identify_restoring_force,
-)
+from identify.preprocessing.aligned_decay import locate_and_align
+from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 
@@ -52,8 +48,8 @@ def measure(job: tuple[int, int]) -> Measured:
     if "velocity" in fixed:
         fixed["release_time"] = 0.0
     sample = draw(None, 0.0, 10_000 + 97 * seed + number, **fixed)
-    decay = _decay(sample.rate, sample.displacement, sample.acceleration)
-    aligned = correct(decay, align(decay))
+    decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration, mass=21.36)
+    aligned = locate_and_align(decay)
     truth = {"K": 614.0 * 21.36, "mu_0": 0.13, "mu_1": 0.277}
     errors, scores, refused = {}, {}, {}
     for name, identify in (("WT", identify_wavelet), ("RFS", identify_restoring_force)):
@@ -68,20 +64,6 @@ def measure(job: tuple[int, int]) -> Measured:
         errors[name] = {q: e.value / truth[q] - 1.0 for q, e in estimates.items()}
         scores[name] = {q: (e.value - truth[q]) / e.std for q, e in estimates.items() if e.std > 0.0}
     return Measured(number, errors, scores, refused)
-
-
-def _decay(rate: float, displacement: np.ndarray, acceleration: np.ndarray) -> FreeDecay:
-    release = release_of(FreeDecay(rate, displacement, acceleration))
-    return estimate_noise(
-        FreeDecay(
-            rate,
-            displacement=displacement,
-            acceleration=acceleration,
-            release=release.index,
-            rest=release.rest,
-            mass=21.36,
-        )
-    )
 
 
 def run(quick: bool) -> str:

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from identify.estimate import Estimate
 
-_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl", "lugre": "LuGre",
+_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl",
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 

@@ -14,7 +14,6 @@ from identify.comparison.kinematic_check import KinematicCheck, check_kinematics
 from identify.comparison.multiple_shooting import MultipleShooting, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
 from identify.comparison.residual_tone import ResidualTone, find_residual_tone
-from identify.comparison.zero_drift import ZeroDrift, find_zero_drift
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
@@ -29,8 +28,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.summary import Summarised, Summary
 
 _SURE = 4.0
-_SURE_OF_DRIFT = 12.0
-"""Physics of 3 % that no force of u and v describes reaches 8, rarely 16; a drift of 0.3 % begins at 16."""
 
 _NO_SPRING = 1e-6
 """Share of the squared frequency below which a fit has lost its spring."""
@@ -42,21 +39,18 @@ class Comparison(Summarised):
 
     `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
     force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.
-    `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over `horizon` s
-    (`horizon_cycles`). `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
+    `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over
+    `horizon_cycles`. `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
     `chi_square_std` of an adequate model's; `at_floor` says whether it is one. `floor` is the noise of each channel and
     its source.
-    `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
-    noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
-    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says
-    whether to look at a sensor or at physics.
+    `free_run_misfit` (cycles,) is the rms misfit of the free run in units of the noise, cycle by cycle. `places` are the
+    worst ones; `summary` is the first in a sentence, `cause` says whether to look at a sensor or at physics.
     """
 
     force_error: float
     force_floor: float
     motion_error: float
     motion_channel: str
-    horizon: float
     horizon_cycles: float
     chi_square: float
     chi_square_std: float
@@ -67,14 +61,9 @@ class Comparison(Summarised):
     phase_plane: PhasePlane
     harmonics: Harmonics
     kinematics: KinematicCheck | None
-    zero_drift: ZeroDrift | None
     places: tuple[Discrepancy, ...]
     summary: str
     cause: str
-    time: Array
-    displacement: Array
-    velocity: Array
-    residual_force: Array
     unit: str
     mass: float | None
 
@@ -123,25 +112,23 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         )
     cycles = compare_cycles(shooting)
     plane = compare_phase_plane(shooting)
-    kinematics = check_kinematics(prepared, window, fit.frequency, doubt)
+    kinematics = check_kinematics(prepared, window, doubt)
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
-    drift, tone = find_zero_drift(shooting), find_residual_tone(shooting)
+    tone = find_residual_tone(shooting)
     text = DiscrepancyText(window.unit, mass)
     places = find_discrepancies(plane, cycles, tone, text, (factors[0], factors[1]))
-    force_error, force_floor, residual = _force_error(prepared, fit)
+    force_error, force_floor = _force_error(prepared, fit)
     channel = window.channels[0]
     used = window.used[channel]
     left, shown = fit.residual(channel)[used], window.readings[channel][used]
-    horizon = len(window) / window.rate
     return Comparison(
         force_error=force_error,
         force_floor=force_floor,
         motion_error=float(100.0 * np.sqrt(np.mean(left**2)) / np.std(shown)),
         motion_channel=channel,
-        horizon=horizon,
-        horizon_cycles=horizon * fit.frequency / (2.0 * np.pi),
+        horizon_cycles=len(window) / window.rate * fit.frequency / (2.0 * np.pi),
         chi_square=baseline.reduced(fit),
         chi_square_std=baseline.spread,
         at_floor=baseline.at_floor,
@@ -153,24 +140,19 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
-        zero_drift=drift,
-        cause=_cause(baseline, kinematics, drift, tone),
-        time=frozen(window.clock),
-        displacement=frozen(prepared.motion.displacement),
-        velocity=frozen(prepared.motion.velocity),
-        residual_force=frozen(residual),
+        cause=_cause(baseline, kinematics, tone),
         unit=window.unit,
         mass=mass,
     )
 
 
-def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float, Array]:
-    """Eq. (18) and its floor in %, and measured less model force per unit mass (n,) along the measured motion."""
+def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float]:
+    """Eq. (18) and its floor in %."""
     measured, residual = force_misfit(prepared, fit)
     used = moving(prepared.motion)
     scale = 100.0 / float(np.var(measured[used]))
     noise = prepared.motion.noise_acceleration or 0.0
-    return force_mse_percent(prepared, measured, residual), scale * noise**2, residual
+    return force_mse_percent(prepared, measured, residual), scale * noise**2
 
 
 def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
@@ -186,12 +168,7 @@ def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
     return frozen(misfit)
 
 
-def _cause(
-    baseline: Baseline,
-    kinematics: KinematicCheck | None,
-    drift: ZeroDrift | None,
-    tone: ResidualTone | None,
-) -> str:
+def _cause(baseline: Baseline, kinematics: KinematicCheck | None, tone: ResidualTone | None) -> str:
     if kinematics is None:
         return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
     if tone is not None and tone.sensor:
@@ -199,13 +176,12 @@ def _cause(
             f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "
             "of that sensor; look at it first."
         )
-    sensor = kinematics.significance
-    if sensor > _SURE:
+    if kinematics.significance > _SURE:
         return (
-            f"The channels contradict each other, whatever the forces are (a - D^2 u is {sensor:.0f} standard errors "
-            "above its noise): look at a sensor first."
+            f"The channels contradict each other, whatever the forces are (a - D^2 u is {kinematics.significance:.0f} "
+            "standard errors above its noise): look at a sensor first."
         )
-    if drift is not None and drift.significance > _SURE_OF_DRIFT:
+    if kinematics.drift > _SURE:
         return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
     if not baseline.adequate(baseline.fit):
         return (

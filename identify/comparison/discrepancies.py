@@ -112,21 +112,13 @@ def _same(one: _Candidate, other: _Candidate) -> bool:
 
 
 def _candidate(
-    kind: str, members: Array, covariance: Array, levels: tuple[int, int], side: int, way: int
-) -> _Candidate | None:
-    """Weigh the members (signs, 0 outside) so that their mean has the smallest error; None when the noise is unknown."""
+    kind: str, members: Array, covariance: Array, levels: tuple[int, int], side: int = 0, way: int = 0
+) -> _Candidate:
+    """Weigh the members (signs, 0 outside, some inside) so that their mean has the smallest error."""
     inside = np.flatnonzero(members)
-    if len(inside) == 0:
-        return None
-    part = covariance[np.ix_(inside, inside)]
     signs = members[inside]
-    try:
-        solved = np.linalg.solve(part, signs)
-    except np.linalg.LinAlgError:
-        return None
+    solved = np.linalg.solve(covariance[np.ix_(inside, inside)], signs)
     information = float(signs @ solved)
-    if not information > 0.0:
-        return None
     weights = np.zeros(len(members))
     weights[inside] = solved / information
     return _Candidate(kind, members, weights, information**-0.5, levels, side, way)
@@ -145,18 +137,17 @@ def _force_candidates(plane: PhasePlane) -> Iterator[_Candidate]:
         for one_side in (0, 1, -1):
             for one_way in (0, 1, -1):
                 kept = band & ((side == one_side) | (one_side == 0)) & ((way == one_way) | (one_way == 0))
-                made = _candidate(
-                    "force over displacement", kept * side, plane.covariance, (first, last), one_side, one_way
-                )
-                if made is not None:
-                    yield made
+                if (kept & (side != 0)).any():
+                    place = ((first, last), one_side, one_way)
+                    yield _candidate("force over displacement", kept * side, plane.covariance, *place)
     for first, last in _bands(0, middle_row - 1):
         band = (speed >= first) & (speed <= last)
         for one_way in (0, 1, -1):
             kept = band & ((way == one_way) | (one_way == 0))
-            made = _candidate("force over velocity", kept * way, plane.covariance, (first, last), 0, one_way)
-            if made is not None:
-                yield made
+            if kept.any():
+                yield _candidate(
+                    "force over velocity", kept * way, plane.covariance, (first, last), 0, one_way
+                )
 
 
 def _cycle_candidates(cycles: CycleErrors) -> Iterator[_Candidate]:
@@ -166,9 +157,7 @@ def _cycle_candidates(cycles: CycleErrors) -> Iterator[_Candidate]:
         for shift, kind in ((0, "frequency"), (count, "energy")):
             members = np.zeros(2 * count)
             members[shift + edges[first] : shift + edges[last + 1]] = 1.0
-            made = _candidate(kind, members, cycles.covariance, (edges[first], edges[last + 1] - 1), 0, 0)
-            if made is not None:
-                yield made
+            yield _candidate(kind, members, cycles.covariance, (edges[first], edges[last + 1] - 1))
 
 
 def _bands(first: int, last: int) -> Iterator[tuple[int, int]]:
@@ -226,9 +215,8 @@ def _largest(
     )
     means = []
     for one in range(candidate.levels[0], candidate.levels[1] + 1):
-        made = _candidate(
-            candidate.kind, np.where(level == one, candidate.members, 0.0), plane.covariance, (one, one), 0, 0
-        )
-        if made is not None:
-            means.append(float(made.weights @ values))
+        members = np.where(level == one, candidate.members, 0.0)
+        if members.any():
+            part = _candidate(candidate.kind, members, plane.covariance, (one, one))
+            means.append(float(part.weights @ values))
     return float(max([*means, size], key=lambda x: x * np.sign(size)))

@@ -15,16 +15,13 @@ HIGHEST = 5
 class Harmonics:
     """Residual force per unit mass (m/s^2) at 0, 1, 2 ... times the frequency, as if constant over the record.
 
-    With u = A cos(theta) the force is the sum over n of amplitude cos(n theta + phase). `with_displacement` is its part
-    in phase with cos(n theta), `with_velocity` its part in phase with -sin(n theta); each of shape (orders,).
-    Order 0 has no part with the velocity. `significance` is in standard errors.
+    With u = A cos(theta) the force is the sum over n of amplitude cos(n theta + phase), each of shape (orders,); at phase 0
+    it is with the displacement, at a quarter with the velocity. `significance` is in standard errors.
     """
 
     order: Array
     amplitude: Array
     phase: Array
-    with_displacement: Array
-    with_velocity: Array
     significance: Array
 
 
@@ -45,7 +42,5 @@ def compare_harmonics(shooting: MultipleShooting) -> Harmonics:
         frozen(orders.astype(float)),
         frozen(np.hypot(cosine, sine)),
         frozen(np.arctan2(sine, cosine)),
-        frozen(cosine),
-        frozen(sine),
         frozen(significance),
     )

@@ -5,10 +5,12 @@ than of the present one. Started anew every cycle from the measured state, the m
 is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from identify.arrays import Array
 from identify.effects.force_effect import LinearPart
@@ -16,7 +18,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
 from identify.model.measured_path import states_along
-from identify.model.simulate import Response
+from identify.model.simulate import Response, hermite
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -66,16 +68,20 @@ class MultipleShooting:
     gain: float
     step: Array
 
-    def whitened(self, change: dict[str, Array]) -> Array:
-        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
-        columns = next(iter(change.values())).shape[1]
-        out = np.empty((len(self.misfit), columns))
+    def places(self) -> Iterator[tuple[str, slice, NDArray[np.intp]]]:
+        """Yield a channel, its rows and the samples that they are of, segment after segment."""
         for segment in self.segments:
             at = segment.rows.start
             for channel in self.window.channels:
                 used = np.flatnonzero(self.window.used[channel][segment.start : segment.stop]) + segment.start
-                out[at : at + len(used)] = change[channel][used] / self.window.sigma[channel]
+                yield channel, slice(at, at + len(used)), used
                 at += len(used)
+
+    def whitened(self, change: dict[str, Array]) -> Array:
+        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
+        out = np.empty((len(self.misfit), next(iter(change.values())).shape[1]))
+        for channel, rows, samples in self.places():
+            out[rows] = change[channel][samples] / self.window.sigma[channel]
         return out
 
     def without_states(self, rows: Array) -> Array:
@@ -178,19 +184,13 @@ def one_step(stiffness: float, damping: float, h: float) -> Array:
 
     It takes x, x', the force and its rise over the step, in which the force is linear.
     """
+    from scipy.linalg import expm  # loaded when it is needed
+
     generator = np.zeros((4, 4))
     generator[0, 1] = h
     generator[1, :3] = -stiffness * h, -damping * h, -h
     generator[2, 3] = 1.0
-    halvings = max(0, int(np.ceil(np.log2(max(np.abs(generator).sum(axis=1).max(), 1e-300) / 0.25))))
-    generator /= 2.0**halvings
-    power = total = np.eye(4)
-    for k in range(1, 13):
-        power = power @ generator / k
-        total = total + power
-    for _ in range(halvings):
-        total = total @ total
-    return np.asarray(total[:2])
+    return np.asarray(expm(generator)[:2])
 
 
 def _pieces(window: FitWindow, u: Array, v: Array, frequency: float) -> list[tuple[int, int, int]]:
@@ -258,14 +258,6 @@ def delayed(u: Array, v: Array, a: Array, lag: float, rate: float) -> tuple[Arra
     n = len(u)
     place = np.arange(n) - lag * rate
     i = np.clip(np.floor(place).astype(int), 0, n - 2)
-    x, h = place - i, 1.0 / rate
-    d1, d2 = v[i] * h, 0.5 * a[i] * h * h
-    e0 = u[i + 1] - u[i] - d1 - d2
-    e1 = v[i + 1] * h - d1 - 2.0 * d2
-    e2 = a[i + 1] * h * h - 2.0 * d2
-    c3 = 10.0 * e0 - 4.0 * e1 + 0.5 * e2
-    c4 = -15.0 * e0 + 7.0 * e1 - e2
-    c5 = 6.0 * e0 - 3.0 * e1 + 0.5 * e2
-    moved = u[i] + x * (d1 + x * (d2 + x * (c3 + x * (c4 + x * c5))))
-    slope = (d1 + x * (2.0 * d2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h
-    return moved, slope
+    both_ends = (u[i], v[i], a[i], u[i + 1], v[i + 1], a[i + 1])
+    moved, slope = hermite.py_func(place - i, 1.0 / rate, *both_ends)
+    return np.asarray(moved), np.asarray(slope)

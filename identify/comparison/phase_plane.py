@@ -6,7 +6,7 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 from identify.comparison.multiple_shooting import MultipleShooting
-from identify.comparison.residual_force import estimate_extra_force, phase_bins
+from identify.comparison.residual_force import estimate_extra_force
 
 _KNOWN = 8.0
 
@@ -71,7 +71,7 @@ def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
     """Return the force that the tracked model lacks, as one constant in each bin of the phase plane."""
     across = _odd(len(shooting.displacement))
     along = across - 1
-    edges_u, edges_v, code, patterns = phase_bins(shooting, across)
+    edges_u, edges_v, code, patterns = _bins(shooting, across)
     found = estimate_extra_force(shooting, patterns)
     known = found.std < _KNOWN * np.median(found.std)
     bins = np.column_stack([code // across, code % across])[known]
@@ -97,3 +97,17 @@ def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
 def _odd(samples: int) -> int:
     """Return an odd number of bins across: about a dozen samples in each of the bins that are visited."""
     return 2 * int(np.clip(np.sqrt(samples) / 6.0, 2.0, 5.5)) + 1
+
+
+def _bins(shooting: MultipleShooting, across: int) -> tuple[Array, Array, Array, Array]:
+    """Divide the phase plane into `across` bins of displacement, times one fewer of velocity.
+
+    Returns the edges of both, the visited bins as row times `across` plus column, (bins,), and a force of one in each of
+    them, (n, bins).
+    """
+    edges, place = [], []
+    for values, count in ((shooting.displacement, across), (shooting.velocity, across - 1)):
+        edges.append(np.linspace(-1.0, 1.0, count + 1) * float(np.max(np.abs(values))) * (1.0 + 1e-9))
+        place.append(np.clip(np.searchsorted(edges[-1], values, side="right") - 1, 0, count - 1))
+    code, member = np.unique(place[1] * across + place[0], return_inverse=True)
+    return edges[0], edges[1], code, (member[:, None] == np.arange(len(code))).astype(float)

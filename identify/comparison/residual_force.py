@@ -26,26 +26,20 @@ class ResidualForce:
         return np.sqrt(np.diag(self.covariance))
 
 
-def estimate_extra_force(
-    shooting: MultipleShooting, patterns: Array, faults: Array | None = None
-) -> ResidualForce:
+def estimate_extra_force(shooting: MultipleShooting, patterns: Array) -> ResidualForce:
     """Fit the residual of the tracked model by its response to patterns (n, patterns) of force (least squares).
 
-    `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
     The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which
     kinematics alone determines. A pattern that the readings do not feel has a standard error as large as the
     springs' force.
     """
-    asked = respond_to(shooting, patterns)
-    if faults is not None:
-        asked = np.hstack([asked, faults])
-    columns = np.hstack([asked, nuisances(shooting)])
+    columns = np.hstack([_respond_to(shooting, patterns), nuisances(shooting)])
     both = shooting.without_states(np.column_stack([columns, shooting.misfit]))
     columns, misfit = both[:, :-1], both[:, -1]
-    count = asked.shape[1]
+    count = patterns.shape[1]
     largest = shooting.stiffness * shooting.sizes[0]
     prior = np.full(columns.shape[1], 1.0)
-    prior[: patterns.shape[1]] = 1.0 / largest**2
+    prior[:count] = 1.0 / largest**2
     normal = columns.T @ columns
     scale = np.sqrt(np.diag(normal) + prior)
     inverse = np.linalg.inv((normal + np.diag(prior)) / np.outer(scale, scale)) / np.outer(scale, scale)
@@ -56,21 +50,7 @@ def estimate_extra_force(
     return ResidualForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
 
 
-def phase_bins(shooting: MultipleShooting, across: int) -> tuple[Array, Array, Array, Array]:
-    """Divide the phase plane into `across` bins of displacement, times one fewer of velocity.
-
-    Returns the edges of both, the visited bins as row times `across` plus column, (bins,), and a force of one in each of
-    them, (n, bins).
-    """
-    edges, place = [], []
-    for values, count in ((shooting.displacement, across), (shooting.velocity, across - 1)):
-        edges.append(np.linspace(-1.0, 1.0, count + 1) * float(np.max(np.abs(values))) * (1.0 + 1e-9))
-        place.append(np.clip(np.searchsorted(edges[-1], values, side="right") - 1, 0, count - 1))
-    code, member = np.unique(place[1] * across + place[0], return_inverse=True)
-    return edges[0], edges[1], code, (member[:, None] == np.arange(len(code))).astype(float)
-
-
-def respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
+def _respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
     """Return the whitened change of the readings (rows, patterns) under extra forces (n, patterns), per m/s^2."""
     out = np.empty((len(shooting.misfit), patterns.shape[1]))
     for segment in shooting.segments:

@@ -5,7 +5,8 @@ from math import copysign, inf
 from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts
 from identify.effects.family import Family
-from identify.effects.force_effect import ForceEffect, share_of_yield
+from identify.effects.force_effect import ForceEffect
+from identify.effects.joint import held_state, joint_force
 
 
 @force_function
@@ -63,11 +64,6 @@ POWER_LAW_DAMPING = Family(
 )
 
 
-@force_function
-def _joint(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[1] * z[0]
-
-
 @rate_function
 def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     if p[1] <= 0.0:
@@ -91,12 +87,12 @@ BOUC_WEN = Family(
             Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
             Parameter("n", "1", "sharpness of the yield", 0.5, 4.0),
         ),
-        force=_joint,
+        force=joint_force,
         rates=_joint_rates,
         states=1,
         largest_state=1.0,
         fading_memory=False,
-        equilibrium_state=lambda u, p: share_of_yield(u, float(p[1])),
+        equilibrium_state=held_state,
         starts=_yield_starts,
         gives_way=lambda p: float(p[1] / p[2]),
         symptom="a loop in the plane of displacement and force; a larger n gives it sharper corners",

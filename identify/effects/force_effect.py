@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from math import copysign, inf, isfinite
+from math import inf, isfinite
 from typing import Any, cast
 
 import numpy as np
@@ -26,14 +26,6 @@ class LinearPart(IntEnum):
     STIFFNESS = 0
     DAMPING = 1
     DRY_FRICTION = 2
-
-
-def share_of_yield(u: float, gives_way: float) -> tuple[float, float]:
-    """Return the states of a joint that has been held at u (m) for long: u over what it gives way at (m), 1 at most.
-
-    One that gives way at nothing has no force; its state is 0.
-    """
-    return copysign(min(abs(u) / gives_way, 1.0), u) if gives_way > 0.0 else 0.0, 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -12,7 +12,7 @@ from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICT
 from identify.effects.impact import IMPACT
 from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
 from identify.effects.pendulum import PENDULUM_STIFFNESS
-from identify.effects.presliding import DAHL_FRICTION, LUGRE_FRICTION
+from identify.effects.presliding import DAHL_FRICTION
 from identify.effects.sensor_fault import Allowance, SensorFault
 from identify.effects.sensors import (
     AC_COUPLING,
@@ -88,9 +88,6 @@ LIBRARY: tuple[Effect, ...] = (
     MAINS_HUM,
     DROPOUTS,
 )
-
-RARE: tuple[Effect, ...] = (LUGRE_FRICTION,)
-"""Effects that are fitted when they are asked for and are no suspects: LuGre friction is Dahl's together with Stribeck's."""
 
 
 def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:

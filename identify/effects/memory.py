@@ -7,12 +7,8 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
-from identify.effects.force_effect import ForceEffect, share_of_yield
-
-
-@force_function
-def _hysteresis(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[1] * z[0]
+from identify.effects.force_effect import ForceEffect
+from identify.effects.joint import held_state, joint_force
 
 
 @rate_function
@@ -39,12 +35,12 @@ HYSTERESIS = ForceEffect(
         Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
         Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
     ),
-    force=_hysteresis,
+    force=joint_force,
     rates=_hysteresis_rates,
     states=1,
     largest_state=1.0,
     fading_memory=False,
-    equilibrium_state=lambda u, p: share_of_yield(u, float(p[1])),
+    equilibrium_state=held_state,
     starts=_yield_starts,
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
     gives_way=lambda p: 0.5 * float(p[1]),

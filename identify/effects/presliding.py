@@ -1,11 +1,11 @@
 """Friction before sliding: an asperity bends as a spring does, and slides in the end."""
 
-from math import exp, inf
+from math import inf
 
-from identify.arrays import Array
-from identify.effects.compiled import force_function, rate_function
-from identify.effects.effect import Parameter, Scales, Starts
-from identify.effects.force_effect import ForceEffect, share_of_yield
+from identify.effects.compiled import rate_function
+from identify.effects.effect import Parameter, Scales
+from identify.effects.force_effect import ForceEffect
+from identify.effects.joint import held_state, joint_force
 
 _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
@@ -14,18 +14,9 @@ _SHORTEST = 0.01
 _DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2, 1.8, 2.5, 4.0, 6.0, 15.0, 60.0)
 
 
-@force_function
-def _spring(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[1] * z[0]
-
-
 @rate_function
 def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (v - abs(v) * z[0]) / p[1] if p[1] > 0.0 else 0.0, 0.0
-
-
-def _pulled(u: float, p: Array) -> tuple[float, float]:
-    return share_of_yield(u, float(p[1]))
 
 
 def _slides(values: dict[str, float], scales: Scales) -> bool:
@@ -40,12 +31,12 @@ DAHL_FRICTION = ForceEffect(
         Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
         Parameter("ud", "m", "displacement over which it gives way; kd ud is the friction", 0.0, inf),
     ),
-    force=_spring,
+    force=joint_force,
     rates=_dahl_rates,
     states=1,
     largest_state=1.0,
     fading_memory=False,
-    equilibrium_state=_pulled,
+    equilibrium_state=held_state,
     starts=lambda scales: tuple((share * scales.amplitude,) for share in (0.03, 0.1, 0.3)),
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _DISPLACEMENTS),
     gives_way=lambda p: float(p[1]),
@@ -53,48 +44,5 @@ DAHL_FRICTION = ForceEffect(
     symptom="dry friction that rises gradually after each reversal, without a jump; stiffer at small amplitude",
     confirming_test="move the mass by less than ud, slowly: it springs back",
     confusable_with=("hysteresis", "coulomb_friction", "position_dependent_friction"),
-    nonsmooth=True,
-)
-
-
-_MOST_RISE = 5.0
-
-
-@rate_function
-def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    if p[1] <= 0.0:
-        return 0.0, 0.0
-    ratio = v / p[3]
-    return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-ratio * ratio))) / p[1], 0.0
-
-
-def _lugre_starts(scales: Scales) -> Starts:
-    return tuple((share * scales.amplitude, 0.5, 0.2 * scales.speed) for share in (0.03, 0.1))
-
-
-LUGRE_FRICTION = ForceEffect(
-    name="lugre_friction",
-    title="friction that gives way before it slides, and rises at low speed (LuGre)",
-    equation="kd ud z,  z' = (v/ud) (1 - z/(1 + rise exp(-(v/vs)^2)) sgn v)",
-    parameters=(
-        Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
-        Parameter(
-            "ud", "m", "displacement over which it gives way at speed; kd ud is the friction", 0.0, inf
-        ),
-        Parameter("rise", "1", "relative rise of the friction towards rest", 0.0, _MOST_RISE),
-        Parameter("vs", "m/s", "speed at which the rise has fallen to 1/e", 0.0, inf),
-    ),
-    force=_spring,
-    rates=_lugre_rates,
-    states=1,
-    largest_state=1.0 + _MOST_RISE,
-    fading_memory=False,
-    equilibrium_state=_pulled,
-    starts=_lugre_starts,
-    gives_way=lambda p: float(p[1]),
-    plausible=_slides,
-    symptom="dry friction that rises gradually after each reversal, without a jump; extra loss near the end of the decay",
-    confirming_test="pull slowly, then faster: the force falls as the speed rises",
-    confusable_with=("dahl_friction", "stribeck_friction", "hysteresis"),
     nonsmooth=True,
 )

@@ -24,11 +24,6 @@ class Term:
         return str(self.held.get("channel", ""))
 
     @property
-    def variant(self) -> tuple[str, ...]:
-        """The effect's name and what is held of it: one suspect among all."""
-        return (self.effect.name, *(f"{name}={value}" for name, value in sorted(self.held.items())))
-
-    @property
     def free(self) -> tuple[Parameter, ...]:
         """The parameters that are fitted."""
         return tuple(p for p in self.effect.parameters if p.name not in self.held)

@@ -120,7 +120,7 @@ def _step(addresses, t, u, v, a, states, s, h, linear, table, drives, work):  # 
 
 
 @compiled(**_INLINE)
-def _hermite(x, h, u0, v0, a0, u1, v1, a1):  # type: ignore[no-untyped-def]
+def hermite(x, h, u0, v0, a0, u1, v1, a1):  # type: ignore[no-untyped-def]
     """Quintic through both ends of a step of length h, at fraction x: value and slope."""
     d1 = v0 * h
     d2 = 0.5 * a0 * h * h
@@ -276,7 +276,7 @@ def _run(  # type: ignore[no-untyped-def]
                     an = _acceleration(addresses, t + step, un, vn, states, s, linear, table, drives[2])[0]
                 while due < n and due * interval - lag <= t + step - t0 + 1e-12:
                     x = (due * interval - lag - (t - t0)) / step
-                    readings[0, due], readings[1, due] = _hermite(x, step, u, v, a, un, vn, an)
+                    readings[0, due], readings[1, due] = hermite(x, step, u, v, a, un, vn, an)
                     due += 1
                 u, v, a = un, vn, an
                 if crossed or stuck:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from identify.arrays import Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import ONE_CHANNEL, Alignment, align, correct
+from identify.preprocessing.alignment import Alignment, align, correct
 from identify.preprocessing.lost_readings import find_lost_readings, find_spikes
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release, release_of
@@ -60,9 +60,11 @@ def locate_and_align(decay: FreeDecay) -> AlignedDecay:
         free = slice(recorded.start, None)
         valid[free] &= ~find_spikes(recorded.displacement[free], valid[free], recorded.rate)
     usable = recorded.with_(valid=None if valid.all() else valid)
-    alignment, refusal = _align(usable)
-    corrected = usable if alignment is None else correct(usable, alignment)
-    return AlignedDecay(recorded, release, noise, lost, alignment, refusal, corrected)
+    try:
+        alignment = align(usable)
+    except NotIdentifiable as refusal:
+        return AlignedDecay(recorded, release, noise, lost, None, str(refusal), usable)
+    return AlignedDecay(recorded, release, noise, lost, alignment, "", correct(usable, alignment))
 
 
 def aligned(decay: FreeDecay | AlignedDecay) -> FreeDecay:
@@ -70,12 +72,3 @@ def aligned(decay: FreeDecay | AlignedDecay) -> FreeDecay:
     if isinstance(decay, AlignedDecay):
         return decay.decay
     return decay if decay.release is not None else locate_and_align(decay).decay
-
-
-def _align(decay: FreeDecay) -> tuple[Alignment | None, str]:
-    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
-        return None, ONE_CHANNEL
-    try:
-        return align(decay), ""
-    except NotIdentifiable as refusal:
-        return None, str(refusal)

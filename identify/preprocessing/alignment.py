@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.formatting import quantity
@@ -16,7 +15,6 @@ from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.reversals import reversal_excess
-from identify.signal.running import running_maximum
 from identify.signal.smoothing import slope
 from identify.summary import Summarised, Summary
 
@@ -35,9 +33,6 @@ ENOUGH_PER_PERIOD = 64
 
 CONTRADICTION = 4.0
 """The lag found and the lag stated are two estimates of one lag up to this many standard errors of their difference."""
-
-SUDDEN = 0.03
-"""An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,12 +95,11 @@ def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:
 
 
 def with_reversals(pair: Pair, found: Agreement) -> Pair:
-    """Return the pair with the jumps placed where the velocity is zero, as far as they are reversals."""
+    """Return the pair with what jumps of the acceleration add to its averages, as far as they are reversals."""
     low, _ = read_at_shift(found.low, found.lag * pair.rate)
     velocity = slope(low, pair.rate) if pair.order == 2 else low
     noise = float(np.sqrt(np.min(pair.variance_high)))
-    excess, placed = reversal_excess(pair.high, velocity, noise, pair.order)
-    return replace(pair, excess=excess, jumps=np.where(placed, 0.0, pair.jumps))
+    return replace(pair, excess=reversal_excess(pair.high, velocity, noise, pair.order))
 
 
 def correct(decay: FreeDecay, alignment: Alignment) -> FreeDecay:
@@ -114,31 +108,22 @@ def correct(decay: FreeDecay, alignment: Alignment) -> FreeDecay:
     The acceleration is divided by its gain, so that it is the second derivative of the displacement.
     Samples that the move takes from beyond the record, or from a lost sample, are marked as not valid.
     """
-    name = "displacement" if decay.displacement is not None else "velocity"
-    values = getattr(decay, name)
-    if values is None or decay.acceleration is None:
-        raise NotIdentifiable("There is only one channel: nothing to move it against.")
+    (name, values), *_ = decay.channels.items()
     moved, known = read_at_shift(values, alignment.lag.value * decay.rate, decay.valid)
     valid = known if decay.valid is None else known & decay.valid
-    acceleration = decay.acceleration / alignment.gain.value
+    acceleration = decay.channels["acceleration"] / alignment.gain.value
     return decay.with_(
         **{name: moved, "acceleration": acceleration, "valid": None if bool(valid.all()) else valid}
     )
 
 
 def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
-    """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
-    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
-        raise NotIdentifiable(ONE_CHANNEL)
+    """Return the displacement (or velocity) and the acceleration with the variance of every sample."""
     (low_name, low), *_ = decay.channels.items()
-    order = 2 if low_name == "displacement" else 1
-    high = decay.acceleration
+    order, high = 2 if low_name == "displacement" else 1, decay.channels["acceleration"]
     valid, levels = decay.known, noise_levels(decay)
     noise_low, noise_high = levels[low_name], levels["acceleration"]
-    variance_low = np.full(len(decay), noise_low**2)
-    jumps = jump_variance(bridge(high, valid), noise_high, decay.rate)
-    sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
-    variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
+    variance_low, variance_high = np.full(len(decay), noise_low**2), np.full(len(decay), noise_high**2)
     out = ~valid
     if leave_out_hand and decay.start > 0:
         after = decay.start + max(4, int(np.ceil(HAND_S * decay.rate)))
@@ -152,30 +137,8 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
         decay.rate,
         variance_low,
         variance_high,
-        np.where(sudden | out, 0.0, jumps),
         np.zeros(len(decay)),
     )
-
-
-def jump_variance(high: Array, noise: float, rate: float) -> Array:
-    """Return the variance that a jump of the acceleration adds to the samples on either side of it, shape (n,).
-
-    Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the
-    mean over the interval is uncertain by the jump over the square root of twelve. Jumps show in the third
-    differences, above the noise and above what the oscillation itself leaves there.
-    """
-    extra = np.zeros(len(high))
-    frequency = dominant_frequency(high, rate)
-    if len(high) < 12 or frequency <= 0.0:
-        return extra
-    third = np.abs(np.diff(high, 3))
-    reach = max(3, round(rate / frequency))
-    amplitude = running_maximum(np.abs(high - np.median(high)), reach)[1:-2]
-    own = (2.0 * np.sin(min(np.pi * frequency / rate, 0.5 * np.pi))) ** 3 * amplitude
-    jump = np.where(third > 4.5 * np.sqrt(20.0) * noise + 2.0 * own, third, 0.0) ** 2 / 96.0
-    extra[1:-2] += jump
-    extra[2:-1] += jump
-    return extra
 
 
 def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:
@@ -200,19 +163,13 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
     excess = max(found.chi_square / max(found.degrees, 1), LEAST_EXCESS)
     gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
     method = f"maximum likelihood of acceleration against {name}, kinematics only"
-    cautions, lag = [], Estimate(found.lag, float(lag_std), "s")
-    if stated is not None and _contradict(lag, stated):
+    cautions = []
+    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
+        raise NotIdentifiable(TOO_LITTLE)
+    if stated is not None and abs(found.lag - stated.value) > CONTRADICTION * np.hypot(lag_std, stated.std):
         cautions.append(
             f"The data sheets make the lag {1e3 * stated.value:.3g} ms: suspect the delays that the board states."
         )
-    elif stated is not None:
-        lag = _combined(lag, stated)
-        method += (
-            f", with the {1e3 * stated.value:.3g} ± {1e3 * stated.std:.2g} ms of the data sheets as prior"
-        )
-    lag_std = lag.std
-    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
-        raise NotIdentifiable(TOO_LITTLE)
     if excess > 1.5:
         cautions.append(
             f"The channels disagree by {np.sqrt(excess):.1f} times their noise even when aligned: suspect a sensor."
@@ -221,17 +178,5 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
         cautions.append("The two channels have opposite signs.")
     if lag_std * frequency > 0.002:
         cautions.append("The lag is known to no better than 0.2 % of a period: record a larger release.")
-    return Alignment(lag, Estimate(found.gain, float(gain_std), "1"), method, " ".join(cautions))
-
-
-def _contradict(found: Estimate, stated: Estimate) -> bool:
-    return abs(found.value - stated.value) > CONTRADICTION * float(np.hypot(found.std, stated.std))
-
-
-def _combined(found: Estimate, stated: Estimate) -> Estimate:
-    """Return the mean of two estimates of one lag, weighed by their variances: a normal prior."""
-    if not np.isfinite(found.std):
-        return stated
-    weights = 1.0 / max(found.std, 1e-300) ** 2, 1.0 / max(stated.std, 1e-300) ** 2
-    mean = (weights[0] * found.value + weights[1] * stated.value) / sum(weights)
-    return Estimate(float(mean), float(sum(weights) ** -0.5), "s")
+    lag, gain = Estimate(found.lag, float(lag_std), "s"), Estimate(found.gain, float(gain_std), "1")
+    return Alignment(lag, gain, method, " ".join(cautions))

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
+from identify.signal.fractional_delay import lagrange_weights
 from identify.signal.levels import stale, steps_between
 from identify.signal.running import runs_of
 
@@ -56,13 +57,7 @@ def _off_cubic(readings: Array, length: int) -> Array:
 @lru_cache(maxsize=_LONGEST)
 def _cubic(length: int) -> Array:
     """Return the weights of two readings on either side of a run in the cubic through them, shape (4, length)."""
-    at = np.array([-2.0, -1.0, length, length + 1.0])
-    return frozen(
-        [
-            np.prod((np.arange(length)[:, None] - np.delete(at, i)) / (at[i] - np.delete(at, i)), axis=1)
-            for i in range(4)
-        ]
-    )
+    return frozen(lagrange_weights(np.array([-2.0, -1.0, length, length + 1.0]), np.arange(float(length))))
 
 
 def _amplified(length: int) -> float:

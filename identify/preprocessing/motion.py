@@ -194,7 +194,7 @@ def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
         velocity = integrate(centred, decay.rate, excess)
         raw = integrate(velocity, decay.rate)
         slow = slow_part(raw, decay.rate, frequency, known)
-        excess, _placed = reversal_excess(centred, velocity - slow.first, noise, 1)
+        excess = reversal_excess(centred, velocity - slow.first, noise, 1)
     omega = 2.0 * np.pi * frequency
     noise_velocity = float(noise / np.sqrt(decay.rate * omega))
     largest = float(np.max(np.abs(smooth(centred, min(5.0 * frequency / decay.rate, 0.5), known))))

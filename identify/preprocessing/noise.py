@@ -42,11 +42,6 @@ def noise_levels(decay: FreeDecay) -> dict[str, float]:
     }
 
 
-def estimate_noise(decay: FreeDecay) -> FreeDecay:
-    """Return the decay with `noise_*` filled for every channel it has; see `noise_of` for how."""
-    return decay.with_(**{f"noise_{name}": noise.std for name, noise in noise_of(decay).items()})
-
-
 def noise_of(decay: FreeDecay) -> dict[str, Noise]:
     """Return the noise of each channel present, by name (displacement, velocity, acceleration).
 

@@ -20,16 +20,14 @@ Beginning = Literal["displaced", "impulse"]
 class Onset(NamedTuple):
     """The beginning of free motion, and its kind.
 
-    `place` (fractional sample) and `std` (samples) of the onset; amplitudes of the two ways to begin; the
-    level held. `misfit` is the mean square left; `misfit_without` what one oscillation and a line leave of
-    the same samples.
+    `place` (fractional sample) and `std` (samples) of the onset; amplitudes of the two ways to begin.
+    `misfit` is the mean square left; `misfit_without` what one oscillation and a line leave of the same samples.
     """
 
     place: float
     std: float
     displaced: float
     impulse: float
-    level: float
     misfit: float
     misfit_without: float
 
@@ -95,13 +93,12 @@ def _best_of(
     pick = int(ties[len(ties) // 2])
     noise = misfits[pick] / max(len(segment) - 5, 1)
     near = onsets[misfits < misfits[pick] + noise]
-    level, _, displaced, impulse = (float(c) for c in coefficients[pick])
+    displaced, impulse = (float(c) for c in coefficients[pick][2:])
     return Onset(
         place=float(onsets[pick]),
         std=max(float(np.ptp(near)) / 2.0, step / np.sqrt(12.0)),
         displaced=displaced,
         impulse=impulse if kind == "impulse" else 0.0,
-        level=level,
         misfit=float(misfits[pick]) / len(segment),
         misfit_without=_without_onset(segment, period),
     )

@@ -25,12 +25,6 @@ LEAD_S = 0.015
 UNFREE_SHARE = 0.35
 """A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
 
-SUDDEN_SHARE = 0.01
-"""A release is sudden where a switch from held to free describes it to this share of its size: in a fifth of a period."""
-
-SUDDEN_WAIT = 0.25
-"""Share of a period after which a sudden release is over."""
-
 BEAT_SHARE = 0.9
 """A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
@@ -134,24 +128,9 @@ def _channels(decay: FreeDecay) -> list[_Channel]:
     channels = []
     for name, values in decay.channels.items():
         known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
-        clean = _without_spikes(bridge(values, known))
-        channels.append(_Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
+        whole = bridge(values, known)
+        channels.append(_Channel(whole, CHANNELS.index(name), floor_above_motion(whole, known).std, ~known))
     return channels
-
-
-def _without_spikes(values: Array) -> Array:
-    """Replace single samples far off the cubic through their neighbours.
-
-    A spike of height s puts its neighbours off by 2 s/3, a jump puts the samples on either side off equally: it stays.
-    """
-    if len(values) < 16:
-        return values
-    padded = np.pad(values, 2, mode="edge")
-    cubic = np.correlate(padded, np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0, "valid")
-    off = np.abs(values - cubic)
-    beside = np.maximum(np.pad(off[1:], (0, 1)), np.pad(off[:-1], (1, 0)))
-    spike = (off > 1.25 * beside) & (off > 12.0 * float(np.median(off)) + 0.03 * float(np.ptp(values)))
-    return np.where(spike, cubic, values)
 
 
 def _bursts(lead: _Channel, period: float) -> list[_Burst]:
@@ -231,27 +210,13 @@ def _release(
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))
-    letting_go = _letting_go(rate, period, *onsets[0]) + (2.0 * onset.std if onset.std > 1.0 else 0.0)
+    # a hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most
+    hand = min(max(HAND_S * rate, 0.05 * period), period)
+    letting_go = hand + (2.0 * onset.std if onset.std > 1.0 else 0.0)
     settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
     rest = _rest(channels, found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
-
-
-def _letting_go(rate: float, period: float, channel: _Channel, onset: Onset | None) -> float:
-    """Count the samples after the onset until the motion is surely free.
-
-    A hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most.
-    Where 30 ms is more than half a period, a hand would show: a release that a switch describes, as a magnet or a
-    hammer makes it, is over sooner, and the first cycle, the largest, is kept. `onset` is that of the lowest channel,
-    in which a jump of the force is no jump.
-    """
-    hand = min(max(HAND_S * rate, 0.05 * period), period)
-    if onset is None or onset.misfit == 0.0 or hand <= 0.5 * period:
-        return hand
-    size = max(abs(onset.displaced), abs(onset.impulse))
-    sudden = onset.misfit - channel.noise**2 < (SUDDEN_SHARE * size) ** 2
-    return SUDDEN_WAIT * period if sudden else hand
 
 
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
@@ -284,7 +249,7 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
     ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
-    return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
+    return Onset(around, 0.05 * period, level, 0.0, 0.0, 0.0)
 
 
 def _rest(
@@ -295,7 +260,7 @@ def _rest(
     onset: float,
     earliest: int,
 ) -> tuple[int, int]:
-    """The quiet samples before the onset; an earlier stretch when there are too few next to it, as of a trembling hand."""
+    """The last quiet samples before the onset, (0, 0) where they are fewer than four."""
     stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
     if stop - earliest < 4:
         return (0, 0)
@@ -308,8 +273,6 @@ def _rest(
     if not runs:
         return (0, 0)
     first, last = runs[-1]
-    if last < len(quiet) - 2 or last - first < 24:
-        first, last = max(runs, key=lambda run: run[1] - run[0])
     return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
 
 

@@ -23,7 +23,6 @@ from identify.signal.weak_form import (
     Windows,
     band_of,
     factor_of,
-    is_positive,
     rows_of,
     solve,
     widened,
@@ -59,25 +58,22 @@ def fit_orders(
     A first solution of first order says how large the friction's jump is and where the resonance lies.
     """
     motion, w = window.motion, window.angular_frequency
-    u, v, a = (window.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
+    u, v = window.cut(motion.displacement), window.cut(motion.velocity)
     force = None if window.force is None else window.cut(window.force)
     unknown_mass = force is not None and decay.mass is None
     others = [u**j for j in stiffness_orders] + [np.ones_like(u)]
     if force is not None and decay.mass is None:
         others.append(-force)
-    powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
-    consistent = window.noise[0][0] == "consistent"
+    powers = [np.abs(v) ** i * np.sign(v) for i in range(2, max(max_order, 1) + 1)]
+    pull = np.zeros_like(u) if force is None or unknown_mass else force
+    sums = rows_of(windows, windows.kernel, np.stack([*powers, *others, pull]))
+    # phi vanishes at its ends, so derivatives may pass from the motion to the window
+    centred = (u - np.mean(u))[None]
+    viscous = -rows_of(windows, windows.slope, centred)
+    sums[:, -1:] -= rows_of(windows, windows.curvature, centred)
 
     def rows(direction: Direction) -> Array:
-        pull = np.zeros_like(u) if force is None or unknown_mass else force
-        sums = rows_of(windows, windows.kernel, np.stack([v, *powers, *others, pull - a]))
-        sums[:, 0] = rows_of_sign(windows, direction)
-        if consistent:  # phi vanishes at its ends, so derivatives may pass from the motion to the window
-            centred = (u - np.mean(u))[None]
-            sums[:, -1:] = rows_of(windows, windows.kernel, pull[None])
-            sums[:, -1:] -= rows_of(windows, windows.curvature, centred)
-            sums[:, 1:2] = -rows_of(windows, windows.slope, centred)
-        return sums
+        return np.column_stack([rows_of_sign(windows, direction), viscous, sums])
 
     direction = direction_of(v)
     factor = factor_of(_covariance(window, windows, 0.0, w**2))
@@ -159,21 +155,16 @@ def _fit(
 
 
 def _covariance(window: ForceWindow, windows: Windows, mu_1: float, k_1: float) -> Array:
-    """Covariance of the rows: what each channel's noise does to both sides of the equation of motion."""
-    elastic = k_1 * windows.kernel - mu_1 * windows.slope
-    kernels = {"consistent": windows.curvature + elastic, "elastic": elastic, "inertial": windows.kernel}
-    w = window.angular_frequency
-    rate = window.motion.rate
-    bands = [band_of(windows, kernels[name], rate, _above(level, w)) for name, level in window.noise]
-    total = np.asarray(np.sum(bands, axis=0))
-    if is_positive(total):
-        return total
-    # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
-    bands = [
-        float(level(np.array([w]))[0]) * band_of(windows, kernels[name], rate, np.ones_like)
-        for name, level in window.noise
-    ]
-    return np.asarray(np.sum(bands, axis=0))
+    """Covariance of the rows: what the noise of the displacement does to both sides of the equation of motion."""
+    kernel = windows.curvature + k_1 * windows.kernel - mu_1 * windows.slope
+    w, rate = window.angular_frequency, window.motion.rate
+    band = band_of(windows, kernel, rate, _above(window.noise, w))
+    try:
+        factor_of(band)
+    except np.linalg.LinAlgError:
+        # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
+        return float(window.noise(np.array([w]))[0]) * band_of(windows, kernel, rate, np.ones_like)
+    return band
 
 
 def _above(spectrum: Callable[[Array], Array], w: float) -> Callable[[Array], Array]:

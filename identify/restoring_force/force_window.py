@@ -10,6 +10,7 @@ from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import flat_frequency
+from identify.preprocessing.equation_error import regress
 from identify.preprocessing.motion import Motion
 from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.usable import first_free_sample, last_large_sample, require_cycles
@@ -24,13 +25,13 @@ _LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
 _LATE_ALONE = 4e-5  # where smoothing has rounded them
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
-Noises = tuple[tuple[str, Callable[[Array], Array]], ...]
-"""What is noisy ("consistent" motion, or the "elastic" and the "inertial" side alone), and its variance by frequency."""
-
 
 @dataclass(frozen=True, eq=False)
 class ForceWindow:
-    """The part of the motion that identifies, with the spectra of its noise and the recorded force."""
+    """The part of the motion that identifies, with its noise and the recorded force.
+
+    `noise` gives the variance of a sample of the displacement by angular frequency (rad/s).
+    """
 
     motion: Motion
     first: int
@@ -38,7 +39,7 @@ class ForceWindow:
     valid: Mask
     angular_frequency: float
     force: Array | None
-    noise: Noises
+    noise: Callable[[Array], Array]
 
     @property
     def blur(self) -> int:
@@ -58,8 +59,8 @@ class ForceWindow:
         return values[self.first : self.stop]
 
 
-def noise_of_agreeing(decay: FreeDecay) -> Noises:
-    """Variance by frequency of the displacement that all channels together give."""
+def noise_spectrum(decay: FreeDecay) -> Callable[[Array], Array]:
+    """Return the function that gives the variance, by frequency, of the displacement that all channels together give."""
     powers = {"displacement": 0, "velocity": 2, "acceleration": 4}
     levels = noise_levels(decay)
     if "displacement" in levels:
@@ -69,10 +70,10 @@ def noise_of_agreeing(decay: FreeDecay) -> Noises:
         information = sum(w ** powers[name] / level**2 for name, level in levels.items())
         return np.asarray(1 / information)
 
-    return (("consistent", spectrum),)
+    return spectrum
 
 
-def window_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
+def window_of(decay: FreeDecay, motion: Motion) -> ForceWindow:
     """Return the window of a motion: after the release is over, above sticking and noise; all of it where a force drives it.
 
     Raises NotIdentifiable when it holds no oscillation or too few cycles.
@@ -84,7 +85,7 @@ def window_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
     frequency = flat_frequency(motion.displacement, motion.rate)
     if frequency <= 0:
         raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
-    w = 2 * np.pi * frequency
+    w, noise = 2 * np.pi * frequency, noise_spectrum(decay)
     force = None if decay.force is None else decay.force[motion.start :]
     first = 0 if force is not None else max(0, first_free_sample(decay, frequency) - motion.start)
     stop = len(valid)
@@ -101,27 +102,21 @@ def window_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
     speed = np.where(valid, np.abs(motion.velocity), 0.0)[first:]
     largest = np.max(np.lib.stride_tricks.sliding_window_view(np.pad(speed, (0, cycle)), cycle), axis=1)
     envelope = largest[: len(speed)] / w
-    quiet = _STOP_AT_NOISE * float(np.sqrt(noise[0][1](np.array([w]))[0]))
+    quiet = _STOP_AT_NOISE * float(np.sqrt(noise(np.array([w]))[0]))
     dry = 0.04 * float(np.max(envelope))
-    for _ in range(2):
+    for _ in range(3):
         stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
         stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
         window = ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
         dry = max(0.0, _dry_friction(window)) / w**2
-    stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
-    stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
-    return ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
+    return window
 
 
 def _dry_friction(window: ForceWindow) -> float:
     """Plain least squares of eq. (15) of first order: a first value for mu_0."""
-    u, v, a = (
-        window.cut(x)
-        for x in (window.motion.displacement, window.motion.velocity, window.motion.acceleration)
-    )
-    columns = np.stack([np.sign(v), v, u, np.ones_like(u)], axis=1)[window.valid]
-    scale = np.linalg.norm(columns, axis=0) + 1e-300
-    return float((np.linalg.lstsq(columns / scale, -a[window.valid], rcond=None)[0] / scale)[0])
+    motion = window.motion
+    u, v, a = (window.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
+    return float(regress(-a, np.stack([np.sign(v), v, u], axis=1), window.valid).strengths[0])
 
 
 def points_of(window: ForceWindow) -> NDArray[np.int_]:
@@ -141,4 +136,4 @@ def noise_velocity(window: ForceWindow) -> float:
     if window.motion.noise_velocity is not None:
         return window.motion.noise_velocity
     w = np.array([window.angular_frequency])
-    return float(w[0] * np.sqrt(window.noise[0][1](w)[0]))
+    return float(w[0] * np.sqrt(window.noise(w)[0]))

@@ -1,10 +1,9 @@
 """The restoring force surface, eqs. (13)-(19)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from identify.arrays import Array, frozen
 from identify.clock_error import with_clock
@@ -14,29 +13,14 @@ from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
-from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.motion import reconstruct
 from identify.restoring_force.force_regression import ForceFit, fit_orders
-from identify.restoring_force.force_window import (
-    ForceWindow,
-    Noises,
-    noise_of_agreeing,
-    points_of,
-    window_of,
-)
+from identify.restoring_force.force_window import ForceWindow, points_of, window_of
 from identify.restoring_force.surface import Section, grid_of, sections_of
 from identify.signal.order_selection import choose_order
-from identify.signal.smoothing import slope
 from identify.signal.weak_form import place_windows
 from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
-
-__all__ = [
-    "RestoringForceResult",
-    "Section",
-    "identify_restoring_force",
-    "identify_restoring_force_as_recorded",
-]
 
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 
@@ -50,9 +34,9 @@ class RestoringForceResult(Summarised):
     constant force per unit mass. `mse_percent_by_order` is eq. (18) for damping orders 0..max (fig. 3b),
     `significance_percent` eq. (19) by term name. Points used, shape (n,): `time` (s, on the record's
     clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14) and `force_fit`. The surface on a grid:
-    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted, `visited` (q, p) counts of points.
-    Sections at v = 0 and u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a
-    recorded force says of the mass, in the force's unit over m/s^2, when none was given; None otherwise.
+    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted. Sections at v = 0 and
+    u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a recorded force says of the mass,
+    in the force's unit over m/s^2, when none was given; None otherwise.
     """
 
     stiffness: Estimate
@@ -73,7 +57,6 @@ class RestoringForceResult(Summarised):
     grid_displacement: Array
     grid_velocity: Array
     surface: Array
-    visited: Array
     section_zero_velocity: Section
     section_zero_displacement: Section
     stiffness_per_mass: Estimate
@@ -97,53 +80,11 @@ def identify_restoring_force(
     orders of eq. (15).
     With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
     with one more unknown, 1/m. Since the motion's parts agree with each other whatever small lag is left,
-    the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
-    otherwise. Raises NotIdentifiable when there is too little to identify.
+    the lag's standard error adds nothing here. Raises NotIdentifiable when there is too little to identify.
     """
     decay, begins = block_averaged(aligned(decay))
     motion = reconstruct(decay)
-    result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders, least_order)
-    return replace(result, time=frozen(result.time + begins))
-
-
-def identify_restoring_force_as_recorded(
-    decay: FreeDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
-) -> RestoringForceResult:
-    """Identify the restoring force from displacement and acceleration as they are, each taken at its word.
-
-    The paper's first attempt: a displacement late by tau adds w0^2 tau to mu_1. Raises NotIdentifiable
-    without both channels.
-    """
-    if decay.displacement is None or decay.acceleration is None:
-        raise NotIdentifiable("the restoring force as recorded needs a displacement and an acceleration")
-    after = slice(decay.start, None)
-    displacement, acceleration = decay.displacement[after], decay.acceleration[after]
-    motion = Motion(
-        decay.rate,
-        decay.start,
-        frozen(displacement),
-        frozen(slope(displacement, decay.rate)),
-        frozen(acceleration),
-        decay.known[after],
-        "displacement and acceleration, as recorded",
-    )
-    levels = noise_levels(decay)
-    noise = (
-        ("elastic", lambda w: np.full_like(w, levels["displacement"] ** 2)),
-        ("inertial", lambda w: np.full_like(w, levels["acceleration"] ** 2)),
-    )
-    return _identify(decay, motion, noise, max_order, stiffness_orders)
-
-
-def _identify(
-    decay: FreeDecay,
-    motion: Motion,
-    noise: Noises,
-    max_order: int,
-    stiffness_orders: tuple[int, ...],
-    least: int = 0,
-) -> RestoringForceResult:
-    window = window_of(decay, motion, noise)
+    window = window_of(decay, motion)
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable(
@@ -151,13 +92,13 @@ def _identify(
             if window.valid.all()
             else "gaps leave too few whole stretches of two cycles; record again without losses"
         )
-    points = points_of(window)
     fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
-    tried = fits[least:]
+    tried = fits[least_order:]
     clear = [fit.clear for fit in tried]
     misfits = [fit.solution.chi_square for fit in tried]
-    order, reason = choose_order(range(least, max_order + 1), misfits, clear, [_FALL] * len(tried), "damping")
-    return _result(decay, window, fits, fits[order], reason, points)
+    orders = range(least_order, max_order + 1)
+    order, reason = choose_order(orders, misfits, clear, [_FALL] * len(tried), "damping")
+    return _result(decay, begins, window, fits, fits[order], reason)
 
 
 def _mse_percent(force: Array, fit: Array) -> float:
@@ -166,13 +107,13 @@ def _mse_percent(force: Array, fit: Array) -> float:
 
 def _result(
     decay: FreeDecay,
+    begins: float,
     window: ForceWindow,
     fits: list[ForceFit],
     chosen: ForceFit,
     reason: str,
-    points: NDArray[np.int_],
 ) -> RestoringForceResult:
-    motion = window.motion
+    motion, points = window.motion, points_of(window)
     u, v = motion.displacement[points], motion.velocity[points]
     if len(points) < 8:
         raise NotIdentifiable("hardly a sample moves faster than its noise; release from a larger amplitude")
@@ -192,7 +133,7 @@ def _result(
         j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
     }
     first = next(iter(per_mass))
-    grid_u, grid_v, surface, visited = grid_of(polynomial, u, v)
+    grid_u, grid_v, surface = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
     return RestoringForceResult(
         stiffness=by_order[first],
@@ -207,7 +148,7 @@ def _result(
             name: float(100 * np.var(term) / np.var(force)) for name, term in terms.items()
         },
         source=motion.source,
-        time=frozen((motion.start + points) / motion.rate),
+        time=frozen(begins + (motion.start + points) / motion.rate),
         displacement=frozen(u),
         velocity=frozen(v),
         force=frozen(force),
@@ -215,7 +156,6 @@ def _result(
         grid_displacement=grid_u,
         grid_velocity=grid_v,
         surface=surface,
-        visited=visited,
         section_zero_velocity=at_rest,
         section_zero_displacement=at_zero,
         stiffness_per_mass=per_mass[first],

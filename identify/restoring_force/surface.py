@@ -6,6 +6,9 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 
+CELLS, BINS = 40, 25
+"""Cells of the surface along each axis, and bins of a section."""
+
 
 @dataclass(frozen=True, eq=False)
 class Section:
@@ -43,20 +46,15 @@ class Polynomial:
         return self.elastic(displacement) + self.dissipative(velocity)
 
 
-def grid_of(
-    polynomial: Polynomial, displacement: Array, velocity: Array, cells: int = 40
-) -> tuple[Array, Array, Array, Array]:
-    """Return grid displacement (p,), grid velocity (q,), the fitted surface (q, p) and counts of points (q, p)."""
-    edges_u = np.linspace(np.min(displacement), np.max(displacement), cells + 1)
-    edges_v = np.linspace(np.min(velocity), np.max(velocity), cells + 1)
-    visited, _, _ = np.histogram2d(velocity, displacement, bins=(edges_v, edges_u))
-    u, v = 0.5 * (edges_u[1:] + edges_u[:-1]), 0.5 * (edges_v[1:] + edges_v[:-1])
-    surface = polynomial(u[None, :], v[:, None])
-    return frozen(u), frozen(v), frozen(surface), frozen(visited)
+def grid_of(polynomial: Polynomial, displacement: Array, velocity: Array) -> tuple[Array, Array, Array]:
+    """Return grid displacement (p,), grid velocity (q,) and the fitted surface (q, p) over the measured points (n,)."""
+    edges = (np.linspace(np.min(x), np.max(x), CELLS + 1) for x in (displacement, velocity))
+    u, v = (0.5 * (edge[1:] + edge[:-1]) for edge in edges)
+    return frozen(u), frozen(v), frozen(polynomial(u[None, :], v[:, None]))
 
 
 def sections_of(
-    polynomial: Polynomial, displacement: Array, velocity: Array, force: Array, bins: int = 25
+    polynomial: Polynomial, displacement: Array, velocity: Array, force: Array
 ) -> tuple[Section, Section]:
     """Return the sections at v = 0 and at u = 0 of the measured points (n,).
 
@@ -68,29 +66,29 @@ def sections_of(
     near_u = np.abs(displacement) < 0.1 * np.max(np.abs(displacement))
     elastic = polynomial.elastic(displacement)
     dissipative = polynomial.dissipative(velocity) + polynomial.offset
-    at_rest = _binned(displacement[near_v], (residual + elastic)[near_v], bins)
-    at_zero = _binned(velocity[near_u], (residual + dissipative)[near_u], bins)
+    at_rest = _binned(displacement[near_v], (residual + elastic)[near_v])
+    at_zero = _binned(velocity[near_u], (residual + dissipative)[near_u])
     return (
         Section(*map(frozen, (*at_rest, polynomial.elastic(at_rest[0])))),
         Section(*map(frozen, (*at_zero, polynomial.dissipative(at_zero[0]) + polynomial.offset))),
     )
 
 
-def _binned(position: Array, force: Array, bins: int) -> tuple[Array, Array, Array]:
+def _binned(position: Array, force: Array) -> tuple[Array, Array, Array]:
     if len(position) < 2:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    edges = np.linspace(np.min(position), np.max(position) * (1 + 1e-12) + 1e-300, bins + 1)
-    cell = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, bins - 1)
-    count = np.bincount(cell, minlength=bins)
+    edges = np.linspace(np.min(position), np.max(position) * (1 + 1e-12) + 1e-300, BINS + 1)
+    cell = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, BINS - 1)
+    count = np.bincount(cell, minlength=BINS)
     full = count > 0
-    mean = np.bincount(cell, force, bins)[full] / count[full]
-    centre = np.bincount(cell, position, bins)[full] / count[full]
+    mean = np.bincount(cell, force, BINS)[full] / count[full]
+    centre = np.bincount(cell, position, BINS)[full] / count[full]
     slope = np.polyfit(position, force, 1)[0] if len(position) > 2 else 0.0
     flat = force - slope * position
     spread = np.sqrt(
         np.maximum(
-            np.bincount(cell, flat**2, bins)[full] / count[full]
-            - (np.bincount(cell, flat, bins)[full] / count[full]) ** 2,
+            np.bincount(cell, flat**2, BINS)[full] / count[full]
+            - (np.bincount(cell, flat, BINS)[full] / count[full]) ** 2,
             0.0,
         )
     )

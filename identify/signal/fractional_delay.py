@@ -7,6 +7,16 @@ from identify.arrays import Array, Mask
 HALF_WIDTH = 3
 """Samples on either side of the nearest one that the interpolating polynomial passes through."""
 
+_STEP = 1e-30
+
+
+def lagrange_weights(nodes: Array, places: Array) -> Array:
+    """Return the weights of readings at `nodes` (k,) in the polynomial through them, read at `places` (m,), shape (k, m)."""
+    others = [np.delete(nodes, i) for i in range(len(nodes))]
+    return np.array(
+        [np.prod((places[:, None] - o) / (node - o), axis=1) for node, o in zip(nodes, others, strict=True)]
+    )
+
 
 def lagrange_taps(fraction: float, half_width: int = HALF_WIDTH) -> Array:
     """Return weights that read a signal `fraction` of a sample after the centre one.
@@ -15,25 +25,16 @@ def lagrange_taps(fraction: float, half_width: int = HALF_WIDTH) -> Array:
     interpolation is exact for polynomials of degree 2 half_width and, having finite support, cannot
     ring beyond it (Laakso et al., IEEE Signal Processing Magazine 13(1), 1996).
     """
-    nodes = np.arange(-half_width, half_width + 1, dtype=float)
-    taps = np.ones_like(nodes)
-    for j, node in enumerate(nodes):
-        others = np.delete(nodes, j)
-        taps[j] = np.prod((fraction - others) / (node - others))
-    return taps
+    return lagrange_weights(np.arange(-half_width, half_width + 1.0), np.array([fraction]))[:, 0]
 
 
-def lagrange_slope_taps(fraction: float, half_width: int = HALF_WIDTH) -> Array:
-    """Return the derivative of `lagrange_taps` with respect to `fraction`, 1/sample."""
-    nodes = np.arange(-half_width, half_width + 1, dtype=float)
-    taps = np.zeros_like(nodes)
-    for j, node in enumerate(nodes):
-        others = np.delete(nodes, j)
-        for k in range(len(others)):
-            rest = np.delete(others, k)
-            taps[j] += np.prod(fraction - rest)
-        taps[j] /= np.prod(node - others)
-    return taps
+def lagrange_slope_taps(fraction: float) -> Array:
+    """Return the derivative of `lagrange_taps` with respect to `fraction`, 1/sample.
+
+    By a complex step (Squire and Trapp 1998), which subtracts nothing and so is exact for a polynomial.
+    """
+    nodes = np.arange(-HALF_WIDTH, HALF_WIDTH + 1.0)
+    return np.asarray(lagrange_weights(nodes, np.array([fraction + 1j * _STEP]))[:, 0].imag / _STEP)
 
 
 def split_shift(samples: float) -> tuple[int, float]:
@@ -84,9 +85,6 @@ def _read_near_end(values: Array, known: Mask, position: float, width: int) -> t
     """Cubic through the four samples nearest to `position`: the long polynomial would amplify noise there."""
     count = min(4, 2 * width + 1)
     first = int(np.clip(np.floor(position) - count // 2 + 1, 0, len(values) - count))
-    nodes = np.arange(first, first + count, dtype=float)
-    weights = np.array(
-        [np.prod((position - np.delete(nodes, j)) / (nodes[j] - np.delete(nodes, j))) for j in range(count)]
-    )
+    weights = lagrange_weights(np.arange(first, first + count, dtype=float), np.array([position]))[:, 0]
     window = slice(first, first + count)
     return float(weights @ values[window]), float(np.abs(weights) @ ~known[window])

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from identify.algebra import banded_cholesky, solve_factored, whiten
+from identify.algebra import banded_cholesky, solve_factored
 from identify.arrays import Array
 from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
 
@@ -35,9 +35,8 @@ class Pair:
     """Two channels of one motion and the variance of each sample, shape (n,).
 
     `order` is the number of derivatives from `low` to `high`. A lost sample has been bridged and has a
-    variance as large as the motion itself, which is how it is left out. `jumps` is a variance of `high`
-    next to small jumps, which widens the standard errors but not the weights: weights that follow the jumps
-    would bias the lag. `excess` is taken off the averages N a (see `identify.signal.reversals`).
+    variance as large as the motion itself, which is how it is left out. `excess` is taken off the averages N a (see
+    `identify.signal.reversals`).
     """
 
     low: Array
@@ -46,16 +45,13 @@ class Pair:
     rate: float
     variance_low: Array
     variance_high: Array
-    jumps: Array
     excess: Array
 
 
-def cut(pair: Pair, start: int, stop: int | None = None) -> Pair:
-    """Return the samples from `start` up to `stop` of a pair."""
-    span = slice(start, stop)
-    arrays = (pair.low, pair.high, pair.variance_low, pair.variance_high, pair.jumps, pair.excess)
-    low, high, variance_low, variance_high, jumps, excess = (values[span] for values in arrays)
-    return Pair(low, high, pair.order, pair.rate, variance_low, variance_high, jumps, excess)
+def cut(pair: Pair, start: int) -> Pair:
+    """Return the samples of a pair from `start` on."""
+    names = ("low", "high", "variance_low", "variance_high", "excess")
+    return replace(pair, **{name: getattr(pair, name)[start:] for name in names})
 
 
 class Stencil(NamedTuple):
@@ -91,21 +87,18 @@ class Stencil(NamedTuple):
 class Agreement:
     """The most likely relation of a pair near one lag and gain.
 
-    `parameters` and `covariance` belong to gain, lag (s) and the coefficients of the slow offset.
+    `covariance` belongs to gain, lag (s) and the coefficients of the slow offset.
     `low` and `high` are the smoothed channels that obey the relation exactly, on the lower channel's and the higher
-    channel's own clock; `residual` is the whitened misfit, one number a row.
+    channel's own clock.
     """
 
     gain: float
     lag: float
-    offset: Array
     covariance: Array
     low: Array
     high: Array
-    residual: Array
     chi_square: float
     degrees: int
-    rows: range
 
 
 def difference(order: int, rate: float, fraction: float, whole: int) -> Stencil:
@@ -149,20 +142,17 @@ def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int 
         residual = averages - gain * h.apply(pair.low, rows)
         factor = banded_cholesky(_covariance(pair, average, h, gain, rows))
         weighted = solve_factored(factor, columns)
-        covariance = np.linalg.inv(columns.T @ weighted)
+        covariance = np.asarray(np.linalg.inv(columns.T @ weighted), dtype=np.float64)
         change = covariance @ (weighted.T @ residual)
         misfit = residual - columns @ change
-        influence = np.column_stack(
-            [average.transpose(column, rows, n) for column in (weighted @ covariance).T]
-        )
-        widened = covariance + influence.T @ (pair.jumps[:, None] * influence)
         score = solve_factored(factor, misfit)
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
-        chi_square = float(misfit @ score)
         offset = time[:, None] ** np.arange(_SLOW_TERMS) @ (change[2:] if free else change)
-        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, whiten(factor, misfit), chi_square,
-                           len(rows) - columns.shape[1], rows)  # fmt: skip
+        degrees = len(rows) - columns.shape[1]
+        result = Agreement(
+            gain, lag, covariance, smooth_low, smooth_high - offset, float(misfit @ score), degrees
+        )
         if free:
             gain, lag = gain + float(change[0]), lag + float(change[1])
             result = replace(result, gain=gain, lag=lag)

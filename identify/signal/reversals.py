@@ -4,32 +4,23 @@ The mean of the acceleration over an interval depends on where in it the jump fe
 changes sign is taken to have fallen where the velocity is zero, which both channels tell within microseconds.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from identify.arrays import Array
 from identify.signal.kinematics import AVERAGES
 
 
-class Reversals(NamedTuple):
-    """`excess` (n,): what the jumps add to the averages N a; `placed` (n,): samples beside a jump that was placed."""
-
-    excess: Array
-    placed: Array
-
-
-def reversal_excess(high: Array, velocity: Array, noise: float, order: int) -> Reversals:
-    """Return the excess of the averages N `high` over the true means, for jumps at the zeros of `velocity`.
+def reversal_excess(high: Array, velocity: Array, noise: float, order: int) -> Array:
+    """Return the excess (n,) of the averages N `high` over the true means, for jumps at the zeros of `velocity`.
 
     `high` and `velocity` have shape (n,) and one clock; `noise` is the standard deviation of `high`; `order` is that of the
     pair. A unit jump a share s of the way from sample i to i + 1 has, in rows i and i + 1, the true
     means (1 - s)^2 / 2 and 1 - s^2 / 2 of a second difference, and 1 - s in row i of a first difference.
     """
     n = len(high)
-    excess, placed = np.zeros(n), np.zeros(n, dtype=bool)
+    excess = np.zeros(n)
     if n < 8:
-        return Reversals(excess, placed)
+        return excess
     steps = np.diff(high)
     jump = np.zeros(n - 1)
     jump[1:-1] = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])
@@ -58,5 +49,4 @@ def reversal_excess(high: Array, velocity: Array, noise: float, order: int) -> R
         else:
             true[rows == i] = 1.0 - share
         excess[rows] += jump[i] * (sampled - true)
-        placed[i - 1 : i + 3] = True
-    return Reversals(excess, placed)
+    return excess

@@ -141,15 +141,6 @@ def factor_of(band: Array) -> Array:
     return banded_cholesky(raised)
 
 
-def is_positive(band: Array) -> bool:
-    """Check whether a banded covariance has a Cholesky factor."""
-    try:
-        factor_of(band)
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
 def solve(white: Array, right: Array) -> LeastSquares:
     """Solve whitened rows (m, p) c = `right` (m,) by SVD, as the paper does eq. (17)."""
     scale = np.linalg.norm(white, axis=0) + 1e-300

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy import fft
 
 from identify.arrays import Array
 from identify.signal.averaging import integrate_envelope
@@ -110,15 +109,3 @@ def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...
     fit = (columns * units) @ parameters
     parameters[0] += phase[0]
     return PhaseFit(parameters, fit + phase[0], gain)
-
-
-def hilbert_envelope(samples: Array) -> Array:
-    """Return the modulus of the analytic signal of `samples` less their mean, shape (n,), ends untreated."""
-    n = len(samples)
-    spectrum = fft.fft(samples - np.mean(samples))
-    one_sided = np.zeros(n)
-    one_sided[0] = 1
-    one_sided[1 : (n + 1) // 2] = 2
-    if n % 2 == 0:
-        one_sided[n // 2] = 1
-    return np.abs(fft.ifft(spectrum * one_sided))

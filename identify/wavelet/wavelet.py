@@ -18,7 +18,7 @@ from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
 from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
-from identify.wavelet.envelope import EnvelopeFit, PhaseFit, hilbert_envelope
+from identify.wavelet.envelope import EnvelopeFit, PhaseFit
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
@@ -55,8 +55,8 @@ class WaveletResult(Summarised):
     The envelope is free of the transform's own bias, at the ends too. `reconstruction` is the decay rebuilt
     from the parameters on `time`, in the unit of `channel`. `scalogram` (frequencies, times) is
     the modulus on `scalogram_frequency` (Hz) and `scalogram_time` (s). `backbone_amplitude` (m) and
-    `backbone_frequency` (Hz) are the backbone, `backbone_fit` its averaged model; `hilbert_envelope` is the
-    older reference on `time`. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out.
+    `backbone_frequency` (Hz) are the backbone, `backbone_fit` its averaged model.
+    `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out.
     """
 
     stiffness: Estimate
@@ -77,7 +77,6 @@ class WaveletResult(Summarised):
     scalogram_time: Array
     backbone_amplitude: Array
     backbone_frequency: Array
-    hilbert_envelope: Array
     backbone_fit: Array
     stiffness_per_mass: Estimate
     stiffness_reason: str
@@ -215,9 +214,6 @@ def _result(
         scalogram_time=frozen(columns + time[0]),
         backbone_amplitude=frozen(ridge["envelope"][trusted]),
         backbone_frequency=frozen(ridge["frequency"][trusted]),
-        hilbert_envelope=frozen(
-            hilbert_envelope(observed.samples) / observed.angular_frequency**observed.derivatives
-        ),
         backbone_fit=frozen(ridge["averaged"][trusted]),
         stiffness_per_mass=by_order[1],
         stiffness_reason=reasons[1],

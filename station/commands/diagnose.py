@@ -38,17 +38,17 @@ def command(
 ) -> None:
     """Find out which effect a model lacks.
 
-    SESSION is a session or a data file; several share the physics, which is
-    looked at first, but for what --varies says was changed between them.
+    SESSION is a session or a data file; several share the physics, but for
+    what --varies says was changed between them.
     Without --model it is the current model: the refined one; before any
     `refine` the one that `station identify` found at orders of your choice,
     else the usual one: stiffness, dry and viscous friction.
     """
     from identify.errors import NotIdentifiable
     from identify.model.model import base_model
-    from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
+    from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
     from station.operations.session_set import declared, open_sessions
-    from station.results.diagnosis_document import refused_document, with_differences
+    from station.results.diagnosis_document import refused_document
     from station.story.preparation import weighing_of
     from station.text.diagnosis_text import told
     from station.text.layout import answer
@@ -62,10 +62,8 @@ def command(
         raise Answered(f"not enough data: {refusal}") from refusal
     for name, why in opened.left_out.items():
         progress(f"{name} is left out: {why}")
-    shared = physics_shared(opened, anyway, progress)
+    check_same_bench(opened, anyway, progress)
     _, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
-    if shared is not None:
-        document = with_differences(document, shared)
     keep(opened, document)
     weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
     words = told(document, weighing, full=full)
@@ -83,6 +81,6 @@ def next_step(folders: "list[Path]", document: "DiagnosisDocument") -> tuple[str
         return ("refine", folders[0], "--add", MEASURED_CURVE)
     if document.verdict == "nothing_missing":
         return ("report", folders[0])
-    if document.differences:
+    if document.of_sessions:
         return ("diagnose", folders[0])
     return () if document.verdict == "not_enough_data" else ("diagnose", *folders, ANOTHER)

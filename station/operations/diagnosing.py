@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from identify.comparison.shared_physics import OTHER_BENCH, SharedPhysics, shared_physics
+from identify.comparison.other_benches import OTHER_BENCH, other_benches
 from identify.diagnosis.diagnose import Diagnosis
 from station.exits import UsageProblem
 from station.operations.current_model import CurrentModel, current_model
@@ -11,37 +11,26 @@ from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import write_document
 from station.story.pipeline import Progress, diagnose, silent
-from station.text.next_step import command_line
 
 
-def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> SharedPhysics | None:
-    """Say whether sessions share their physics, each looked at alone; None with a single one.
+def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> None:
+    """Raise UsageProblem where a stiffness is another by so much that the benches are plainly different, unless `anyway`.
 
-    Raises UsageProblem where a stiffness is another by so much that the benches are plainly different, unless `anyway`.
+    What was declared as changed on purpose is not looked at.
     """
     if len(sessions.decays) < 2:
-        return None
+        return
     if sessions.varies:
         progress(f"{', '.join(sorted(sessions.varies))}: each session has its own, as declared")
-        return None
-    shared, names = shared_physics(sessions.decays), sessions.names
-    for difference in shared.differences:
-        progress(f"{names[difference.index]}: {difference.words(names[0])}")
-    if shared.differences:
-        progress(
-            "the sessions differ: each gets a spring and viscous damping of its own; any other difference counts against "
-            f"the common model. To look at one alone: {command_line('diagnose', names[0])}"
-        )
-    else:
-        progress(f"the {len(names)} sessions share stiffness and friction, as far as each alone can say")
-    others = [names[index] for index in shared.other_benches]
+        return
+    names = sessions.names
+    others = [names[index] for index in other_benches(sessions.decays)]
     if others and not anyway:
         raise UsageProblem(
             f"{', '.join(others)}: another bench than {names[0]}, since the stiffness per unit mass differs by more than a "
             f"factor of {OTHER_BENCH:g}; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
             "--varies stiffness or --varies inertia; --anyway if they share their physics"
         )
-    return shared
 
 
 def diagnose_sessions(

@@ -23,8 +23,8 @@ _SHARE = 0.4
 class Provisional(CaptureObserver):
     """Collects the samples of a capture, and weighs them once; `say` gets the answer, a clause.
 
-    All that it sees it passes on to another observer, `also`. With releases `before`, the `hypotheses` that they leave are refitted to them and to what has come; the first release is
-    diagnosed by itself.
+    All that it sees it passes on to another observer, `also`. With releases `before`, the `hypotheses` that they leave are
+    refitted to them and to what has come; the first release is diagnosed by itself.
     """
 
     def __init__(

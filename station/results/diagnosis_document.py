@@ -6,7 +6,6 @@ from typing import Any
 from pydantic import Field
 
 from daq.session import Session
-from identify.comparison.shared_physics import SharedPhysics
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import NextRelease
@@ -18,7 +17,6 @@ from identify.fitting.validation import LeftOut
 from identify.model.model import Model
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.diagnosis_parts import (
-    DifferenceDocument,
     FindingDocument,
     HeldOutDocument,
     HypothesisDocument,
@@ -45,7 +43,6 @@ class DiagnosisDocument(Document):
     `confirmed` are those named effects that predict what they were not fitted to, `confirmation` how well, None where
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
-    `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `walk` is a random walk of spring and damper not distinguishable from the name, or that remains beside it; else None.
@@ -72,7 +69,6 @@ class DiagnosisDocument(Document):
     next_experiment: str
     fitted: ModelFile | None
     final: ModelFile | None = None
-    differences: list[DifferenceDocument] | None = None
     confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
     shares: list[SharesDocument] = Field(default_factory=list)
@@ -160,14 +156,6 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
             **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
         }
     )
-
-
-def with_differences(document: DiagnosisDocument, shared: SharedPhysics) -> DiagnosisDocument:
-    """Add to a diagnosis how each session, alone, differs from the first."""
-    differences = [
-        DifferenceDocument.of(one, session=document.sessions[one.index]) for one in shared.differences
-    ]
-    return document.model_copy(update={"differences": differences})
 
 
 def read_diagnosis(session: Session) -> DiagnosisDocument | None:

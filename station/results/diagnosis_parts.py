@@ -107,15 +107,6 @@ class HeldOutDocument(Part):
     motion_percent: Number
 
 
-class DifferenceDocument(Part):
-    """The difference of a session, alone, from the first: in % of the value, and in standard errors."""
-
-    session: str
-    parameter: str
-    percent: Number
-    sigmas: Number
-
-
 class ReleaseValueDocument(Part):
     """A parameter of the final model as one session has it, and by how much that is off the one of all, in %."""
 

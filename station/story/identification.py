@@ -19,9 +19,8 @@ class Identification:
 
     `decay` is the release as it was recorded, with the noise of each channel; `aligned` the same with the
     displacement moved by the lag (`decay` itself where there was nothing to align). A result that could
-    not be had is None, and `refusals` says why under the step's name. `without_alignment` is what the
-    restoring force says of the channels as they were recorded. `adequacy` is whether the identified model explains the
-    record, None where that was not asked or (under "adequacy" in `refusals`) not to be had.
+    not be had is None, and `refusals` says why under the step's name. `adequacy` is whether the identified model explains
+    the record, None where that was not asked or (under "adequacy" in `refusals`) not to be had.
     """
 
     decay: FreeDecay
@@ -30,7 +29,6 @@ class Identification:
     aligned: FreeDecay
     wavelet: WaveletResult | None
     restoring_force: RestoringForceResult | None
-    without_alignment: RestoringForceResult | None
     refusals: dict[str, str]
     adequacy: Adequacy | None = None
 

@@ -25,11 +25,7 @@ from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model, model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.restoring_force.restoring_force import (
-    RestoringForceResult,
-    identify_restoring_force,
-    identify_restoring_force_as_recorded,
-)
+from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
 from station.story.adequacy import adequacy, needed_orders
 from station.story.compared import Compared
@@ -84,17 +80,7 @@ def identify(recording: Recording, options: Options, found: AlignedDecay | None 
     restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
     if wavelet is not None and restoring_force is not None:
         wavelet, restoring_force = _with_the_same_orders(aligned, wavelet, restoring_force, options.max_order)
-    without_alignment = None
-    if restoring_force is not None:
-        orders = (options.max_order, tuple(restoring_force.stiffness_by_order))
-    if alignment is not None and decay.displacement is not None:
-        without_alignment = attempt(
-            "without_alignment", lambda: identify_restoring_force_as_recorded(decay, *orders)
-        )
-
-    return Identification(
-        decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
-    )
+    return Identification(decay, found.release, alignment, aligned, wavelet, restoring_force, refusals)
 
 
 def _with_the_same_orders(

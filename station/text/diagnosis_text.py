@@ -37,18 +37,17 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     brief: list[Part] = []
     if document.noise_floor is not None:
         brief.append(residuals(document, MOST_SUSPECTS if full else few, full=full))
-    differ = _not_shared(document)
     first = "" if named or full else _first_sentence(document.explanation)
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
     record = [] if named else [("record next", document.next_experiment)]
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [Paragraph(first)] if first else []
-    brief += facts((*said, *record, *differ[:1], *sensor[:1]))
+    brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
     rest = [("record next", document.next_experiment)] if named else []
-    more += facts((*_facts(document), *differ[1:], *sensor[1:], *mend, *rest))
+    more += facts((*_facts(document), *sensor[1:], *mend, *rest))
     return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
 
 
@@ -166,19 +165,13 @@ def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
     return "; ".join(texts)
 
 
-def _not_shared(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    """Say how sessions differ from the first: which values are their own, and which differences the one model must fit."""
-    own = {one.parameter for one in document.of_sessions}
-    found = []
-    for is_own, what in ((True, "each has its own"), (False, "one model has to fit both")):
-        differ = [
-            f"{one.session} in {_of_effect(one.parameter)}{'' if one.percent is None else f' by {one.percent:+.3g} %'}"
-            for one in document.differences or ()
-            if (one.parameter in own) == is_own
-        ]
-        if differ:
-            found.append(("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: {what}"))
-    return found
+def _not_shared(document: DiagnosisDocument) -> str:
+    """Say by how much the values that each session has of its own are off those of all; "" where they share them."""
+    own: dict[str, list[str]] = {}
+    for one in document.of_sessions:
+        off = "" if one.percent is None else f" {one.percent:+.3g} %"
+        own.setdefault(one.parameter, []).append(f"{one.session}{off}")
+    return "; ".join(f"{_of_effect(parameter)}: {', '.join(each)}" for parameter, each in own.items())
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:

@@ -138,12 +138,16 @@ def reasons(result: Identification) -> list[tuple[str, str]]:
 
 
 def uncorrected(result: Identification) -> str:
-    """State the error that the lag would have caused in the restoring force's viscous damping, or ""."""
-    with_, without = result.restoring_force, result.without_alignment
-    if with_ is None or without is None or len(with_.damping) < 2 or len(without.damping) < 2:
+    """State the error that the lag would have caused in the restoring force's viscous damping, or "".
+
+    A displacement that is late by tau adds w0^2 tau to mu_1.
+    """
+    found, aligned = result.restoring_force, result.alignment
+    if found is None or aligned is None or len(found.damping) < 2 or result.decay.displacement is None:
         return ""
-    right, wrong = with_.damping[1], without.damping[1]
+    right = found.damping[1]
+    wrong = right.value + found.stiffness_per_mass.value * aligned.lag.value
     return (
-        f"the restoring force would have given μ₁ = {wrong.value:.3f} {wrong.unit} instead of "
+        f"the restoring force would have given μ₁ = {wrong:.3f} {right.unit} instead of "
         f"{right.value:.3f} {right.unit}"
     )

@@ -97,12 +97,6 @@ def wavelet(stream: rr.RecordingStream, look: Look, name: str, result: Identific
     length = result.decay.unit
     factor, unit = scale("displacement", length)
     envelope = {
-        "hilbert": (
-            f"Hilbert, for reference [{unit}]",
-            found.hilbert_envelope * factor,
-            palette.REFERENCE,
-            1.0,
-        ),
         "measured": (f"ridge [{unit}]", found.envelope * factor, palette.MEASURED, 4.0),
         "model": (f"fit [{unit}]", found.envelope_fit * factor, palette.WAVELET, 1.5),
     }

@@ -20,10 +20,10 @@ from identify.preprocessing.prepared_decay import prepare
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
-from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
+from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
-from station.results.diagnosis_document import DiagnosisDocument, with_differences
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.settings import Settings
@@ -115,13 +115,11 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
     refinement = opened.refinement
     session = refinement.session
     sessions = SessionSet((session,), (refinement.prepared,))
-    shared = None
     if others:
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
-        say("asking whether the releases share their physics")
-        shared = physics_shared(sessions, False, say)
+        check_same_bench(sessions, False, say)
     _, document = diagnose_sessions(sessions, current_model((session,)), None, say, say)
-    keep(sessions, document if shared is None else with_differences(document, shared))
+    keep(sessions, document)
     return _view(settings, opened, refinement.ladder)
 
 

@@ -3,7 +3,6 @@ from pathlib import Path
 import pytest
 
 from identify.effects.families import FAMILIES
-from identify.effects.library import RARE
 from identify.effects.user import parse_effect
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
@@ -15,10 +14,6 @@ def test_the_page_tells_of_every_family_and_its_members(family):
     assert family.effect.title in row
     assert family.effect.equation.replace("|", "\\|") in row
     assert ", ".join(f"{name} {exponent:g}" for name, exponent in family.members.items()) in row
-
-
-def test_the_page_says_why_an_effect_is_no_suspect():
-    assert all(f"`{effect.name}` in `RARE`" in PAGE for effect in RARE)
 
 
 def test_the_line_on_the_page_is_read():

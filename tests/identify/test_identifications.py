@@ -7,13 +7,8 @@ import pytest
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import release_of
-from identify.restoring_force.restoring_force import (
-    identify_restoring_force,
-    identify_restoring_force_as_recorded,
-)
+from identify.preprocessing.aligned_decay import locate_and_align
+from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 
@@ -22,17 +17,9 @@ TRUTH = {"K": 614.0 * MASS, "mu_0": 0.13, "mu_1": 0.277}
 METHODS = (identify_wavelet, identify_restoring_force)
 
 
-def decay_of(sample, **changes) -> FreeDecay:
-    release = release_of(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
-    decay = FreeDecay(
-        sample.rate,
-        displacement=sample.displacement,
-        acceleration=sample.acceleration,
-        release=release.index,
-        rest=release.rest,
-        mass=MASS,
-    )
-    return estimate_noise(decay.with_(**changes))
+def aligned(sample) -> FreeDecay:
+    recorded = FreeDecay(sample.rate, sample.displacement, sample.acceleration, mass=MASS)
+    return locate_and_align(recorded).decay
 
 
 @cache
@@ -48,8 +35,7 @@ def release(seed: int, **fixed) -> FreeDecay:
         noise_acceleration=0.01,
         **fixed,
     )
-    decay = decay_of(sample)
-    return correct(decay, align(decay))
+    return aligned(sample)
 
 
 def estimates(found) -> dict[str, tuple[float, float]]:
@@ -79,16 +65,6 @@ def test_stated_errors_cover_the_truth(method):
     assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 1.5
 
 
-def test_without_alignment_mu_1_is_off_by_w0_squared_times_the_lag():
-    lag = 1.3e-3
-    sample = draw(None, 0.0, 5, stiffness=614.0, mu_0=0.13, mu_1=0.277, amplitude=0.02, lag=lag)
-    decay = decay_of(sample)
-    raw = identify_restoring_force_as_recorded(decay, 1).damping[1].value
-    aligned = identify_restoring_force(correct(decay, align(decay)), 1).damping[1].value
-    assert raw - aligned == pytest.approx(614.0 * lag, rel=0.03)  # first order in w0 lag
-    assert aligned == pytest.approx(0.277, rel=0.02)
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("channel", ["displacement", "acceleration"])
 def test_one_channel_is_enough(method, channel):
@@ -100,11 +76,10 @@ def test_one_channel_is_enough(method, channel):
 
 def test_the_order_of_the_damping_rises_with_drag():
     sample = draw("quadratic_damping", 0.03, 9, amplitude=0.025)
-    decay = decay_of(sample)
-    aligned = correct(decay, align(decay))
+    decay = aligned(sample)
     c2 = sample.truth["parameters"]["c2"]
     for method in METHODS:
-        found = method(aligned)
+        found = method(decay)
         assert found.order == 2
         assert found.mse_percent_by_order[2] < found.mse_percent_by_order[1] < found.mse_percent_by_order[0]
         assert found.damping[2].value == pytest.approx(c2, rel=0.15)
@@ -112,8 +87,7 @@ def test_the_order_of_the_damping_rises_with_drag():
 
 def test_the_backbone_shows_a_hardening_spring():
     sample = draw("cubic_stiffness", 0.03, 10, amplitude=0.025)
-    decay = decay_of(sample)
-    found = identify_wavelet(correct(decay, align(decay)))
+    found = identify_wavelet(aligned(sample))
     k3 = sample.truth["parameters"]["k3"] * MASS
     assert found.stiffness_by_order[3].value == pytest.approx(k3, rel=0.1)
 
@@ -136,7 +110,7 @@ def test_noise_alone_is_refused_in_words(method):
         acceleration=0.01 * random.standard_normal(2048),
     )
     with pytest.raises(NotIdentifiable, match=r"[a-z]{3,}"):
-        method(estimate_noise(noise))
+        method(noise.with_(release=0))
 
 
 def test_an_external_force_enters_the_surface():

@@ -4,9 +4,8 @@ from decays_in_closed_form import coulomb, exponential
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import align, correct
+from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.release import release_of
 from mocks.generate import draw
 
 RATE = 256.0
@@ -137,17 +136,8 @@ def test_plain_least_squares_on_the_motion_gives_the_parameters() -> None:
     rows = []
     for seed in range(24):
         sample = draw(None, 0.0, seed, noise_displacement=5e-6, noise_acceleration=0.01)
-        found = release_of(
-            FreeDecay(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
-        )
-        decay = FreeDecay(
-            RATE,
-            displacement=sample.displacement,
-            acceleration=sample.acceleration,
-            release=found.index,
-            rest=found.rest,
-        )
-        motion = reconstruct(correct(decay, align(decay)).with_(release=found.settle))
+        found = locate_and_align(FreeDecay(RATE, sample.displacement, sample.acceleration))
+        motion = reconstruct(found.decay.with_(release=found.release.settle))
         used = motion.valid & (np.abs(motion.velocity) > 0.03)
         u, v = motion.displacement[used], motion.velocity[used]
         columns = np.column_stack([u, v, np.sign(v), np.ones(len(u))])

@@ -6,7 +6,7 @@ from releases import drawn, ready
 
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.families import FAMILIES
-from identify.effects.library import LIBRARY, RARE, find_effect
+from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.parameter_layout import ParameterLayout
 from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate, substeps_for
@@ -15,14 +15,13 @@ from mocks.forces import Effect
 from mocks.generate import draw
 
 W0, RATE, SAMPLES = np.sqrt(614.0), 256.0, 2048
-ALL = (*LIBRARY, *RARE, *(family.effect for family in FAMILIES))
+ALL = (*LIBRARY, *(family.effect for family in FAMILIES))
 
 CASES = {
     "signed_quadratic_stiffness": {"k2a": 700.0},
     "settling_stiffness": {"r": 0.02, "tau": 2.0},
     "impact_with_loss": {"ks": 80.0, "gap": 0.01, "side": -1.0, "loss": 1.5},
     "dahl_friction": {"kd": 60.0, "ud": 0.001},
-    "lugre_friction": {"kd": 60.0, "ud": 0.001, "rise": 0.5, "vs": 0.1},
     "power_law_stiffness": {"f": 0.3, "p": 1.5, "at": 0.02},
     "power_law_damping": {"f": 0.1, "p": 0.5, "at": 0.5},
     "bouc_wen_hysteresis": {"kh": 20.0, "uy": 0.004, "n": 0.8},
@@ -68,7 +67,7 @@ def test_an_effect_of_real_rigs_is_named_first(name, strength):
     assert abs(estimate.value - truth["parameters"][strongest]) < 4.5 * estimate.std
 
 
-@pytest.mark.parametrize("name", ["dahl_friction", "lugre_friction", "bouc_wen_hysteresis", "hysteresis"])
+@pytest.mark.parametrize("name", ["dahl_friction", "bouc_wen_hysteresis", "hysteresis"])
 def test_a_joint_holds_no_more_at_the_start_than_it_gives_way_at(name):
     """A fit that may begin with a state of metres makes a pulse of it, and gains by chance."""
     effect = find_effect(name, ALL)

@@ -4,7 +4,6 @@ from decays_in_closed_form import coulomb, exponential
 
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import (
-    estimate_noise,
     floor_above_motion,
     floor_at_rest,
     noise_of,
@@ -38,12 +37,12 @@ def test_without_rest_the_noise_is_read_above_the_motion() -> None:
         displacement=u + 5e-6 * rng.standard_normal(1500),
         acceleration=a + 0.01 * rng.standard_normal(1500),
     )
-    filled = estimate_noise(decay)
-    assert filled.noise_displacement == pytest.approx(5e-6, rel=0.12)  # three times the stated 4 %
+    found = noise_of(decay)
+    assert found["displacement"].std == pytest.approx(5e-6, rel=0.12)  # three times the stated 4 %
     # A reversal every half-cycle touches seven differences in 32; most are clipped off, not all.
-    assert filled.noise_acceleration == pytest.approx(0.01, rel=0.16)
-    assert filled.noise_velocity is None
-    assert noise_of(decay)["displacement"].source == "band above the motion"
+    assert found["acceleration"].std == pytest.approx(0.01, rel=0.16)
+    assert "velocity" not in found
+    assert found["displacement"].source == "band above the motion"
 
 
 def test_lost_samples_do_not_count() -> None:

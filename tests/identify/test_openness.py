@@ -9,7 +9,7 @@ import pytest
 
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
-from identify.effects.library import LIBRARY, RARE
+from identify.effects.library import LIBRARY
 
 ROOT = Path(__file__).resolve().parents[2]
 INSIDE = ROOT / "identify" / "effects"
@@ -19,7 +19,7 @@ MODULES = [
     for file in sorted((ROOT / package).rglob("*.py"))
     if INSIDE not in file.parents
 ]
-KNOWN = (*LIBRARY, *RARE, *(family.effect for family in FAMILIES))
+KNOWN = (*LIBRARY, *(family.effect for family in FAMILIES))
 NAMED = re.compile(rf"({'|'.join(effect.name for effect in KNOWN)})(\..*)?")
 
 

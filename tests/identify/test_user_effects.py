@@ -292,43 +292,6 @@ def test_a_formula_is_compiled_once_for_its_force_and_once_for_its_friction(monk
     assert len(compiled) == 2
 
 
-def magnet(t, u, v, a, b):
-    return a * u / (1.0 + (u / b) ** 2)
-
-
-def raised(t, u, v, a):
-    return a + u
-
-
-def unknown_name(t, u, v, a):
-    return a * nowhere(u)  # noqa: F821
-
-
-def test_a_python_function_is_as_good_as_a_formula():
-    written = own_effect("magnet", magnet, parameters=(Parameter("b", "m", "reach", 0.0005, 0.02),))
-    parsed = parse_effect("magnet = a*u/(1 + (u/b)**2)")
-    assert [p.name for p in written.parameters] == ["a", "b"]
-    assert written.parameters[1].low == 0.0005
-    assert written.force(0.0, 0.01, 0.0, REST, P) == pytest.approx(
-        parsed.force(0.0, 0.01, 0.0, REST, P), rel=1e-14
-    )
-
-
-@pytest.mark.parametrize(
-    ("function", "why"),
-    [
-        (raised, "proportional to its first parameter"),
-        (unknown_name, "nowhere"),
-        (lambda u: u, "must be t, u, v"),
-        (lambda t, u, v, z, p: p[0] * u, "needs its parameters listed"),
-    ],
-)
-def test_a_function_that_cannot_be_used_is_refused_with_the_reason(function, why):
-    with pytest.raises(ValueError, match=why) as refused:
-        own_effect("x", function)
-    assert "\n" not in str(refused.value)
-
-
 def test_memory_of_ones_own_starts_at_rest_and_runs_as_an_independent_integrator_says():
     creep = own_effect("creep", "k1*(u - z0)", rates=("(u - z0)/tau",))
     assert creep.fading_memory
@@ -413,14 +376,26 @@ def test_a_formula_can_be_added_by_hand_and_the_error_falls_to_the_floor():
 
 
 GOOD = """
+from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect
 from identify.effects.user import own_effect
 
-def pull(t, u, v, a, b):
-    return a * u / (1.0 + (u / b) ** 2)
+@force_function
+def pull(t, u, v, z, p):
+    return p[0] * u / (1.0 + (u / p[1]) ** 2)
 
 EFFECTS = (
-    own_effect("magnet", pull, parameters=(Parameter("b", "m", "reach"),), starts={"b": (0.002, 0.01)}),
+    ForceEffect(
+        name="magnet",
+        title="a magnet",
+        equation="a u/(1 + (u/b)^2)",
+        parameters=(Parameter("a", "1/s^2", "stiffness"), Parameter("b", "m", "reach")),
+        force=pull,
+        starts=lambda scales: ((0.002,), (0.01,)),
+        symptom="softer at large amplitude",
+        confirming_test="take the magnet away",
+    ),
     own_effect("creep", "k1*(u - z0)", rates=("(u - z0)/tau",)),
 )
 """
@@ -432,6 +407,9 @@ def test_a_file_of_effects_is_read(tmp_path):
     effects = load_effects(file)
     assert [e.name for e in effects] == ["magnet", "creep"]
     assert effects[0].starts(SCALES) == ((0.002,), (0.01,))
+    assert effects[0].force_along(P, *np.array([[0.0], [0.01], [0.0]]), np.zeros((1, 2))) == pytest.approx(
+        0.7 * 0.01 / (1.0 + (0.01 / 0.4) ** 2), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize(
@@ -440,7 +418,7 @@ def test_a_file_of_effects_is_read(tmp_path):
         ("EFFECTS = (", r"mine\.py, line 1: SyntaxError"),
         ("\nx = 1/0\n", r"mine\.py, line 2: ZeroDivisionError"),
         ("from identify.effects.user import own_effect\n\nEFFECTS = (own_effect('x', 'a*u^2'),)", r"line 3: x: force, char"),
-        ("from identify.effects.user import own_effect\nEFFECTS = (own_effect('x', lambda t, u, v, a: a.b),)", "line 2: x"),
+        ("from identify.effects.user import own_effect\nEFFECTS = (own_effect('x', lambda t, u, v, a: a*u),)", "line 2: x"),
         ("pass", "it defines no effects"),
         ("EFFECTS = ()", "it defines no effects"),
         ("EFFECTS = (3,)", "entry 1 of EFFECTS is int"),

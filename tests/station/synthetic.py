@@ -71,7 +71,6 @@ def wavelet() -> WaveletResult:
         scalogram_time=time[::8],
         backbone_amplitude=k[order][::20],
         backbone_frequency=np.full(len(k[::20]), OMEGA / 2 / np.pi),
-        hilbert_envelope=k * (1 + 0.01 * np.sin(40 * time)),
         backbone_fit=np.full(len(k[::20]), OMEGA / 2 / np.pi),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.01, "1/s^2"),
         stiffness_reason="the frequency does not change with the amplitude",
@@ -90,7 +89,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         return OMEGA**2 * u + FRICTION * np.sign(v) + viscous * v
 
     f = force(u, v)
-    counts, _, _ = np.histogram2d(v, u, bins=(41, 41))
 
     def section(position, values):
         return Section(
@@ -119,7 +117,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         grid_displacement=grid_u,
         grid_velocity=grid_v,
         surface=force(grid_u[None, :], grid_v[:, None]),
-        visited=counts,
         section_zero_velocity=section(grid_u, force(grid_u, 0 * grid_u)),
         section_zero_displacement=section(grid_v, force(0 * grid_v, grid_v)),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.03, "1/s^2"),
@@ -149,6 +146,5 @@ def identification() -> Identification:
         aligned=recorded.with_(displacement=moved),
         wavelet=wavelet(),
         restoring_force=restoring_force(),
-        without_alignment=restoring_force(VISCOUS + OMEGA**2 * LAG),
         refusals={},
     )

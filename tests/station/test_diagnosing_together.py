@@ -1,4 +1,4 @@
-"""Several sessions to diagnose: first it is said whether they share their physics, and another bench is refused."""
+"""Several sessions to diagnose: what was changed on purpose is declared, and another bench is refused."""
 
 import numpy as np
 import pytest
@@ -8,9 +8,8 @@ from daq.session_info import SessionInfo
 from mocks.generate import draw
 from station.cli import run as station
 from station.exits import UsageProblem
-from station.operations.diagnosing import diagnose_sessions, physics_shared
+from station.operations.diagnosing import check_same_bench, diagnose_sessions
 from station.operations.session_set import open_sessions
-from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.settings import Settings
 
 STIFFNESS = 613.6
@@ -32,38 +31,8 @@ def opened(folder, *names):
     return open_sessions(tuple(str(folder / name) for name in names), Settings())
 
 
-def test_sessions_of_one_bench_are_said_to_share_it(sessions):
-    said = []
-    assert physics_shared(opened(sessions, "a", "b"), False, said.append).differences == ()
-    assert said == ["the 2 sessions share stiffness and friction, as far as each alone can say"]
-
-
 def test_the_largest_release_comes_first_in_whatever_order_they_are_given(sessions):
     assert opened(sessions, "soft", "a").names == opened(sessions, "a", "soft").names == ("a", "soft")
-
-
-def test_a_single_session_is_not_looked_at(sessions):
-    said = []
-    assert physics_shared(opened(sessions, "a"), False, said.append) is None
-    assert said == []
-
-
-def test_another_spring_is_said_before_and_kept_with_the_diagnosis(sessions):
-    said = []
-    both = opened(sessions, "a", "soft")
-    shared = physics_shared(both, False, said.append)
-    assert said[0].startswith("soft: stiffness per unit mass 3.1")
-    assert " % lower than a (" in said[0]
-    empty = DiagnosisDocument.model_validate(
-        {"format": 1, "sessions": both.names, "model": {"effects": [], "equation": "", "parameters": {}}}
-        | {"error": {}, "verdict": "not_enough_data", "explanation": "", "next_experiment": ""}
-        | dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ())
-        | dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted"))
-    )
-    assert empty.differences is None
-    (kept,) = with_differences(empty, shared).differences
-    assert (kept.session, kept.parameter) == ("soft", "linear_stiffness.k")
-    assert kept.percent == pytest.approx(-3.1, abs=0.1)
 
 
 def test_what_was_changed_on_purpose_is_declared_and_each_session_has_its_own(sessions):
@@ -71,7 +40,7 @@ def test_what_was_changed_on_purpose_is_declared_and_each_session_has_its_own(se
     both = open_sessions(
         tuple(str(sessions / name) for name in ("a", "stiff")), Settings(), None, frozenset({"stiffness"})
     )
-    assert physics_shared(both, False, said.append) is None
+    check_same_bench(both, False, said.append)
     assert said == ["stiffness: each session has its own, as declared"]
     found, document = diagnose_sessions(both)
     assert found.verdict == "nothing_missing"
@@ -113,5 +82,5 @@ def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys
     assert "stiff: another bench than a" in capsys.readouterr().err
     both = opened(sessions, "a", "stiff")
     with pytest.raises(UsageProblem, match="--anyway"):
-        physics_shared(both, False, lambda text: None)
-    assert physics_shared(both, True, lambda text: None).other_benches == (1,)
+        check_same_bench(both, False, lambda text: None)
+    check_same_bench(both, True, lambda text: None)

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from identify.effects.library import LIBRARY, RARE
+from identify.effects.library import LIBRARY
 from identify.effects.user import parse_effect
 from mocks import cli as double
 from station.cli import run
@@ -18,7 +18,7 @@ from station.text.next_step import next_line
 
 
 def test_the_names_read_from_the_source_are_those_of_the_library():
-    assert set(effect_names()) == {effect.name for effect in (*LIBRARY, *RARE)}
+    assert set(effect_names()) == {effect.name for effect in LIBRARY}
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(r
 
 def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
     why = {"wavelet": "too few cycles", "restoring_force": "too short", "alignment": "one channel"}
-    nothing = dict.fromkeys(("wavelet", "restoring_force", "without_alignment", "alignment"))
+    nothing = dict.fromkeys(("wavelet", "restoring_force", "alignment"))
     refused = replace(result, refusals=why, **nothing)
     path = tmp_path / "refused.rrd"
     show.write(path, "refused", refused)
@@ -186,7 +186,7 @@ def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path)
     alone = result.decay.with_(displacement=None, noise_displacement=None)
     path = tmp_path / "alone.rrd"
     wavelet = replace(result.wavelet, channel="acceleration")
-    one = replace(result, decay=alone, aligned=alone, alignment=None, without_alignment=None, wavelet=wavelet)
+    one = replace(result, decay=alone, aligned=alone, alignment=None, wavelet=wavelet)
     show.write(path, "alone", one)
     assert np.array_equal(column(path, "/capture/acceleration", "Scalars:scalars"), alone.acceleration)
     assert len(column(path, "/capture/displacement", "Scalars:scalars")) == 0

@@ -1,4 +1,4 @@
-"""A user's own effects: formulas and Python functions, read and checked."""
+"""A user's own effects: formulas, read and checked."""
 
 from identify.effects.user.definition import own_effect, parse_effect
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
-from typing import Any
 
 import numpy as np
 
@@ -20,19 +19,8 @@ from identify.effects.user.linearity import Draw, acting_together, check_values,
 _NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
 
 
-@force_function
-def _nothing(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
 def finished(
-    draft: Draft,
-    listed: tuple[Parameter, ...],
-    starts: dict[str, tuple[float, ...]],
-    *,
-    title: str = "",
-    symptom: str = "",
-    confirming_test: str = "",
+    draft: Draft, listed: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]]
 ) -> ForceEffect:
     """Return the effect of a draft, with the parameters and starting values that the user listed.
 
@@ -50,13 +38,13 @@ def finished(
     settles = bool(states) and comes_to_rest(rates, states, draw)
     return ForceEffect(
         name=draft.name,
-        title=title or f"{draft.name} (your own)",
+        title=f"{draft.name} (your own)",
         equation=draft.equation,
         parameters=parameters,
-        symptom=symptom or "what your formula says",
-        confirming_test=confirming_test or "a recording in which your formula predicts a large change",
-        force=_nothing if draft.force is None else _compiled(draft.force),
-        friction=None if draft.friction is None else _compiled(draft.friction),
+        symptom="what your formula says",
+        confirming_test="a recording in which your formula predicts a large change",
+        force=force_function(draft.force, cache=False),
+        friction=None if draft.friction is None else force_function(draft.friction, cache=False),
         rates=rates,
         equilibrium_state=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
         if states
@@ -65,12 +53,8 @@ def finished(
         fading_memory=settles or not states,
         starts=_starts_function(parameters[1:], starts, _even(draft, draw)),
         nonsmooth=True,
-        of_time=_of_time(draft, draw),
+        of_time=draft.of_time,
     )
-
-
-def _compiled(function: Any) -> Any:
-    return function if hasattr(function, "signatures") else force_function(function, cache=False)
 
 
 def _parameters(
@@ -141,16 +125,6 @@ def _even(draft: Draft, draw: Draw) -> frozenset[str]:
             if not all(alike) and not all((*turned[:2], *alike[2:])):
                 even.discard(name)
     return frozenset(even)
-
-
-def _of_time(draft: Draft, draw: Draw) -> bool:
-    """Check whether the force is another at another time, all else alike."""
-    random = np.random.default_rng(6)
-    p = draw(random)
-    points = points_near(random, p)
-    later = points | {"t": points["t"] + random.uniform(0.1, 3.0, len(points["t"]))}
-    pairs = zip(draft.values(p, points), draft.values(p, later), strict=True)
-    return not all(_same(once, then) for once, then in pairs)
 
 
 def _same(first: Array, second: Array) -> bool:

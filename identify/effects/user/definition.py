@@ -1,15 +1,14 @@
-"""A user's own effect: a formula on the command line, or a few lines in a Python file."""
+"""A user's own effect: a formula on the command line, or formulas in a Python file."""
 
 import ast
-from collections.abc import Callable
 
 from identify.effects.compiled import STATES
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.effects.user.build import finished
-from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
-from identify.effects.user.formula import CONSTANTS, FUNCTIONS, ZERO, parse_formula
+from identify.effects.user.draft import NAME, VARIABLES, from_formulas
+from identify.effects.user.formula import CONSTANTS, FUNCTIONS, parse_formula
 from identify.effects.user.measured_curve import curve_effect, read_curve
 from identify.effects.user.settings import OwnSetting, read_setting
 
@@ -43,7 +42,7 @@ def parse_effect(text: str) -> ForceEffect:
         if part.strip():
             settings.append(read_setting(part.rstrip(), before=before))
         before += len(part) + 1
-    draft = from_formulas(name, parse_formula(formula, before=len(left) + 1), ZERO, (), formula.strip())
+    draft = from_formulas(name, parse_formula(formula, before=len(left) + 1), (), formula.strip())
     for i, setting in enumerate(settings):
         called = setting.parameter.name
         if called not in draft.names:
@@ -59,41 +58,25 @@ def parse_effect(text: str) -> ForceEffect:
 
 def own_effect(
     name: str,
-    force: str | Callable[..., float] = "",
+    force: str,
     *,
-    friction: str | Callable[..., float] = "",
     rates: tuple[str, ...] = (),
     parameters: tuple[Parameter, ...] = (),
     starts: dict[str, tuple[float, ...]] | None = None,
-    title: str = "",
-    symptom: str = "",
-    confirming_test: str = "",
 ) -> ForceEffect:
     """Return an effect of the user's own.
 
-    `force` and `friction` (a level >= 0 against the velocity) are both formulas in t, u, v, z0, z1 and parameters, or
-    both Python functions of (t, u, v, parameters...) that numba can compile, their strength first; `rates` are formulas
-    of the rates of up to two internal states z0 and z1. `parameters` gives units, meanings and bounds,
+    `force` is a formula in t, u, v, z0, z1 and parameters, in which what multiplies `sgn(v)` is dry friction; `rates` are
+    formulas of the rates of up to two internal states z0 and z1. `parameters` gives units, meanings and bounds,
     `starts` starting values of inner parameters. The force must be proportional to one parameter; a formula that
     is to none has one called `scale` put before it. Raises ValueError, in a sentence, when it cannot be used.
     """
     _check_name(name)
-    if not force and not friction:
-        raise ValueError(f"{name}: an effect needs a force or a friction")
     if len(rates) > STATES:
         raise ValueError(f"{name}: at most {STATES} internal states, not {len(rates)}")
     changes = tuple(_parsed(name, f"rate {i + 1}", rate) for i, rate in enumerate(rates))
-    if callable(force) or callable(friction):
-        draft = from_functions(name, force, friction, changes, tuple(p.name for p in parameters))
-    else:
-        pull, level = _parsed(name, "force", force), _parsed(name, "friction", friction)
-        dry = f"({friction}) sgn(v)" if friction else ""
-        draft = from_formulas(
-            name, pull, level, changes, " + ".join(x for x in (str(force).strip(), dry) if x)
-        )
-    return finished(
-        draft, parameters, starts or {}, title=title, symptom=symptom, confirming_test=confirming_test
-    )
+    draft = from_formulas(name, _parsed(name, "force", force), changes, str(force).strip())
+    return finished(draft, parameters, starts or {})
 
 
 def _check_name(name: str) -> None:
@@ -113,6 +96,6 @@ def _parsed(name: str, what: str, text: object) -> ast.expr:
     if not isinstance(text, str):
         raise ValueError(f"{name}: the {what} must be a formula, not {type(text).__name__}")
     try:
-        return parse_formula(text) if text.strip() else ZERO
+        return parse_formula(text)
     except ValueError as error:
         raise ValueError(f"{name}: {what}, {error}") from error

@@ -2,14 +2,13 @@
 
 import ast
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import PARAMETERS, force_function
+from identify.effects.compiled import PARAMETERS
 from identify.effects.user.formula import (
     FUNCTIONS,
     ZERO,
@@ -22,7 +21,6 @@ from identify.effects.user.formula import (
     to_compile,
 )
 from identify.effects.user.linearity import Values, proportion
-from identify.effects.user.python_function import along, compiled, parameters_of, placed
 
 VARIABLES = ("t", "u", "v", "z0", "z1")
 _MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", "speed", "xdot", "x_dot",
@@ -30,7 +28,6 @@ _MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", 
 """Names that somebody gives to displacement, velocity or time, not to a parameter."""
 
 NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
-_SLIP = ast.Call(ast.Name("sgn", ast.Load()), [ast.Name("v", ast.Load(), col_offset=0)], [])
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +35,7 @@ class Draft:
     """An effect before it is checked: its parameters, the strength first, and its parts as functions (t, u, v, z, p).
 
     `positive` says that the force is proportional for strengths from zero up only, `scaled` that the strength was put
-    before a formula that had none.
+    before a formula that had none, `of_time` that time stands in it.
     """
 
     name: str
@@ -49,24 +46,29 @@ class Draft:
     rates: tuple[ast.expr, ...]
     equation: str
     positive: bool
-    scaled: bool = False
+    scaled: bool
+    of_time: bool
 
 
-def from_formulas(
-    name: str, force: ast.expr, friction: ast.expr, rates: tuple[ast.expr, ...], equation: str
-) -> Draft:
-    """Return the draft of an effect of formulas; what goes with sgn(v) joins the friction. ValueError when it is none."""
-    names = _parameter_names(name, (force, friction, *rates), len(rates))
-    _check_slip(name, (force, friction))
-    whole = force if friction is ZERO else ast.BinOp(force, ast.Add(), times(friction, _SLIP))
-    kinds = {n: proportion(_values_of((whole, ZERO), names), names, n) for n in names}
+def from_formulas(name: str, force: ast.expr, rates: tuple[ast.expr, ...], equation: str) -> Draft:
+    """Return the draft of an effect of formulas; what goes with sgn(v) is friction. ValueError when it is no effect."""
+    names = _parameter_names(name, (force, *rates), len(rates))
+    _check_slip(name, force)
+    kinds = {n: proportion(_values_of((force, ZERO), names), names, n) for n in names}
     strength = next((n for kind in ("always", "from zero up") for n in names if kinds[n] == kind), "")
     scaled = not strength
     if scaled:
         strength = next(free for free in ("scale", "strength", "factor") if free not in names)
-        whole, equation = times(ast.Name(strength, ast.Load()), whole), f"{strength} ({equation})"
-    names = _within_most((strength, *(n for n in names if n != strength)), f"{name}: ")
-    smooth, level = slipping(whole) or (whole, None)
+        force, equation = (
+            times(ast.Name(strength, ast.Load(), col_offset=0), force),
+            f"{strength} ({equation})",
+        )
+    names = (strength, *(n for n in names if n != strength))
+    if len(names) > PARAMETERS:
+        raise ValueError(
+            f"{name}: {len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
+        )
+    smooth, level = slipping(force) or (force, None)
     return Draft(
         name=name,
         names=names,
@@ -77,6 +79,7 @@ def from_formulas(
         equation=equation,
         positive=kinds.get(strength) == "from zero up",
         scaled=scaled,
+        of_time=any(node.id == "t" for part in (force, *rates) for node in names_in(part)),
     )
 
 
@@ -91,8 +94,8 @@ def _values_of(parts: tuple[ast.expr, ...], names: tuple[str, ...]) -> Values:
     return values
 
 
-def _check_slip(name: str, formulas: tuple[ast.expr, ...]) -> None:
-    for node in (below for formula in formulas for below in ast.walk(formula)):
+def _check_slip(name: str, formula: ast.expr) -> None:
+    for node in ast.walk(formula):
         if is_sign(node) and not is_slip_direction(node) and any(below.id == "v" for below in names_in(node)):
             raise ValueError(
                 f"{name}: character {node.col_offset}: dry friction is written with sgn(v) alone; of anything else with v "
@@ -115,54 +118,3 @@ def _parameter_names(name: str, formulas: tuple[ast.expr, ...], states: int) -> 
         if not NAME.fullmatch(node.id):
             raise ValueError(f"{where}: '{node.id[:40]}' cannot be a parameter's name")
     return tuple(dict.fromkeys(node.id for node in found if node.id not in VARIABLES))
-
-
-def _within_most(names: tuple[str, ...], where: str) -> tuple[str, ...]:
-    if len(names) > PARAMETERS:
-        raise ValueError(
-            f"{where}{len(names)} parameters ({', '.join(names)}); at most {PARAMETERS} can be fitted"
-        )
-    return names
-
-
-def from_functions(
-    name: str,
-    force: str | Callable[..., float],
-    friction: str | Callable[..., float],
-    rates: tuple[ast.expr, ...],
-    listed: tuple[str, ...],
-) -> Draft:
-    """Return the draft of an effect of Python functions, compiled; ValueError when they are of another kind."""
-    if (isinstance(force, str) and force) or (isinstance(friction, str) and friction):
-        raise ValueError(f"{name}: force and friction must both be formulas or both be functions")
-    functions = tuple(f if callable(f) else None for f in (force, friction))
-    try:
-        found = [n for f in functions if f is not None for n in parameters_of(f, listed)]
-        names = _within_most(tuple(dict.fromkeys([*found, *_parameter_names(name, rates, len(rates))])), "")
-        made = [None if f is None else compiled(force_function, placed(f, names)) for f in functions]
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from error
-    of_rates = _values_of(rates, names)
-
-    def values(p: dict[str, float], points: dict[str, Array]) -> tuple[Array, ...]:
-        ordered = {n: p[n] for n in names}
-        parts = [
-            np.zeros(len(points["u"])) if f is None else along(f, PARAMETERS, points, ordered) for f in made
-        ]
-        return (*parts, *of_rates(p, points))
-
-    kind = proportion(values, names, names[0])
-    if kind == "no":
-        raise ValueError(
-            f"{name}: the force must be proportional to its first parameter, and is not to {names[0]}"
-        )
-    return Draft(
-        name=name,
-        names=names,
-        values=values,
-        force=made[0],
-        friction=made[1],
-        rates=rates,
-        equation=f"{name}(t, u, v)",
-        positive=kind == "from zero up",
-    )

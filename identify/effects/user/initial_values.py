@@ -77,16 +77,9 @@ def _drawn(choices: list[tuple[float, ...]], most: int) -> tuple[tuple[float, ..
     total = prod(len(c) for c in choices)
     if total <= most:
         return tuple(product(*choices))
-    places = np.random.default_rng(0).choice(total, most, replace=False)
-    return tuple(_combination(choices, int(place)) for place in np.sort(places))
-
-
-def _combination(choices: list[tuple[float, ...]], place: int) -> tuple[float, ...]:
-    values = []
-    for choice in reversed(choices):
-        place, at = divmod(place, len(choice))
-        values.append(choice[at])
-    return tuple(reversed(values))
+    places = np.sort(np.random.default_rng(0).choice(total, most, replace=False))
+    columns = zip(choices, np.unravel_index(places, [len(c) for c in choices]), strict=True)
+    return tuple(zip(*([choice[i] for i in at] for choice, at in columns), strict=True))
 
 
 def starts_of(parameter: Parameter, given: tuple[float, ...], scales: Scales, *, even: bool) -> Choice:

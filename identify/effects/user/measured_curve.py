@@ -15,11 +15,6 @@ from typing import Any
 
 import numpy as np
 
-import identify.compilation  # noqa: F401  numba is imported there, blind to the working folder
-
-# isort: split
-from numba import njit
-
 from identify.arrays import Array
 from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter
@@ -119,16 +114,12 @@ def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) 
 @lru_cache(maxsize=32)
 def _compiled(form: CurveForm) -> Any:
     """Compile a curve once, however many effects have its form: that takes half a second."""
-    return force_function(_of(_value(form), form), cache=False)
+    low, high, unit, count = form.low, form.high, form.unit - 1, COUNT
+    step = (high - low) / (count - 1)
+    over, factor = tuple(_OVER).index(form.over), tuple(_UNITS).index(form.factor)
 
-
-def _value(form: CurveForm) -> Any:
-    low, high, unit = form.low, form.high, form.unit - 1
-    step = (high - low) / (COUNT - 1)
-    count = COUNT
-
-    @njit("f8(f8,UniTuple(f8,6))", error_model="numpy")
-    def value(x, p):  # type: ignore[no-untyped-def]
+    def value(t, u, v, z, p):  # type: ignore[no-untyped-def]
+        x = u if over == 0 else v if over == 1 else t if over == 2 else abs(v)
         y = (min(max(x, low), high) - low) / step
         total, k = 0.0, 1
         for i in range(count):
@@ -140,25 +131,7 @@ def _value(form: CurveForm) -> Any:
                 total += far * ((2.0 - near) ** 3 - 4.0 * (1.0 - near) ** 3)
             elif near < 2.0:
                 total += far * (2.0 - near) ** 3
-        return p[0] * total / 6.0
+        multiplied = u if factor == 2 else v if factor == 3 else 1.0
+        return multiplied * (p[0] * total / 6.0)
 
-    return value
-
-
-def _of(value: Any, form: CurveForm) -> Any:
-    """Return the force, or the level of friction, as a function (t, u, v, z, p) to compile."""
-    position = njit(_OVER_MOTION[form.over])
-    factor = njit(_OVER_MOTION.get(form.factor, _one))
-    return lambda t, u, v, z, p: factor(t, u, v) * value(position(t, u, v), p)
-
-
-def _one(t: float, u: float, v: float) -> float:
-    return 1.0
-
-
-_OVER_MOTION = {
-    "u": lambda t, u, v: u,
-    "v": lambda t, u, v: v,
-    "t": lambda t, u, v: t,
-    "abs(v)": lambda t, u, v: abs(v),
-}
+    return force_function(value, cache=False)
