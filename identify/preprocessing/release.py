@@ -128,9 +128,24 @@ def _channels(decay: FreeDecay) -> list[_Channel]:
     channels = []
     for name, values in decay.channels.items():
         known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
-        whole = bridge(values, known)
-        channels.append(_Channel(whole, CHANNELS.index(name), floor_above_motion(whole, known).std, ~known))
+        clean = _without_spikes(bridge(values, known))
+        channels.append(_Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
     return channels
+
+
+def _without_spikes(values: Array) -> Array:
+    """Replace single samples far off the cubic through their neighbours.
+
+    A spike of height s puts its neighbours off by 2 s/3, a jump puts the samples on either side off equally: it stays.
+    """
+    if len(values) < 16:
+        return values
+    padded = np.pad(values, 2, mode="edge")
+    cubic = np.correlate(padded, np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0, "valid")
+    off = np.abs(values - cubic)
+    beside = np.maximum(np.pad(off[1:], (0, 1)), np.pad(off[:-1], (1, 0)))
+    spike = (off > 1.25 * beside) & (off > 12.0 * float(np.median(off)) + 0.03 * float(np.ptp(values)))
+    return np.where(spike, cubic, values)
 
 
 def _bursts(lead: _Channel, period: float) -> list[_Burst]:
@@ -260,7 +275,7 @@ def _rest(
     onset: float,
     earliest: int,
 ) -> tuple[int, int]:
-    """The last quiet samples before the onset, (0, 0) where they are fewer than four."""
+    """The quiet samples before the onset; an earlier stretch when there are too few next to it, as of a trembling hand."""
     stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
     if stop - earliest < 4:
         return (0, 0)
@@ -273,6 +288,8 @@ def _rest(
     if not runs:
         return (0, 0)
     first, last = runs[-1]
+    if last < len(quiet) - 2 or last - first < 24:
+        first, last = max(runs, key=lambda run: run[1] - run[0])
     return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
 
 
