@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from identify.compilation import compiled
+from mocks.compilation import compiled
 
 #: name -> parameter names, in the order of the compiled table. The code is the position.
 PARAMETERS: dict[str, tuple[str, ...]] = {

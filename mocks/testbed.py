@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.compilation import compiled
+from mocks.compilation import compiled
 from mocks.forces import FIRST_FRICTION, STATES, Effect, force, kinks, memory_rates, state_at_rest, table
 
 STEP_S = 1.0 / 4096.0

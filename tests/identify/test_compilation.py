@@ -11,18 +11,18 @@ import pytest
 from numba.core.caching import CacheImpl
 
 ROOT = Path(__file__).resolve().parents[2]
-COMPILED = ("identify", "mocks")
+COPIES = ("identify", "mocks")
 NUMBERS = itertools.count()
 
 INNER = """
-from identify.compilation import compiled
+from {copy}.compilation import compiled
 {constant}
 @compiled(error_model="{error_model}")
 def inner(x):
     return {formula}
 """
 OUTER = """
-from identify.compilation import compiled
+from {copy}.compilation import compiled
 from {package}.inner import FACTOR, inner
 
 @compiled(error_model="numpy")
@@ -38,16 +38,18 @@ def _helper(x):
 class Package:
     """A package of two files: `outer` calls, by a helper that is defined after it, a function of the file `inner`."""
 
-    def __init__(self, folder: Path):
-        self.name, self.folder = f"two_files_{next(NUMBERS)}", folder
+    def __init__(self, folder: Path, copy: str):
+        self.name, self.folder, self.copy = f"two_files_{next(NUMBERS)}", folder, copy
         (folder / self.name).mkdir()
         (folder / self.name / "__init__.py").touch()
-        outer = OUTER.format(package=self.name)
+        outer = OUTER.format(package=self.name, copy=copy)
         (folder / self.name / "outer.py").write_text(outer, encoding="utf-8")
 
     def loaded(self, formula="x + 1.0", factor=1.0, error_model="numpy") -> ModuleType:
         """Write the file `inner` and import the package as a new process would."""
-        inner = INNER.format(formula=formula, constant=f"FACTOR = {factor}", error_model=error_model)
+        inner = INNER.format(
+            copy=self.copy, formula=formula, constant=f"FACTOR = {factor}", error_model=error_model
+        )
         (self.folder / self.name / "inner.py").write_text(inner, encoding="utf-8")
         for module in [name for name in sys.modules if name.startswith(self.name)]:
             del sys.modules[module]
@@ -55,11 +57,11 @@ class Package:
         return importlib.import_module(f"{self.name}.outer")
 
 
-@pytest.fixture
-def package(tmp_path, monkeypatch):
+@pytest.fixture(params=COPIES)
+def package(request, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    return Package(tmp_path)
+    return Package(tmp_path, request.param)
 
 
 def hits(module) -> int:
@@ -90,9 +92,14 @@ def test_where_nothing_can_be_kept_a_function_is_compiled_all_the_same(package, 
 
 
 def test_every_function_that_is_kept_is_kept_in_this_way():
-    sources = [path for package in COMPILED for path in (ROOT / package).rglob("*.py")]
+    sources = [path for copy in COPIES for path in (ROOT / copy).rglob("*.py")]
     assert len(sources) > 50
     found = [
         path for path in sources if re.search(r"^[^#\"`]*cache=True", path.read_text(encoding="utf-8"), re.M)
     ]
     assert found == []
+
+
+def test_the_double_which_shares_nothing_with_the_program_has_the_same_module_a_second_time():
+    texts = {(ROOT / copy / "compilation.py").read_text(encoding="utf-8") for copy in COPIES}
+    assert len(texts) == 1
