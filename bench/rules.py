@@ -142,9 +142,12 @@ def with_constant(change: tuple[Constant, float] | None) -> list[str]:
 
 
 def _users(constant: Constant) -> Iterator[ModuleType]:
-    """Yield the loaded modules that know a constant: the priors, and those that import it by name."""
+    """Yield the loaded modules that know a constant: the priors, and those that import it by name.
+
+    Another constant of the same name has another value.
+    """
     for module in tuple(sys.modules.values()):
-        if module.__name__.startswith("identify.") and getattr(module, constant.name, None) is not None:
+        if module.__name__.startswith("identify.") and getattr(module, constant.name, None) == constant.value:
             yield module
 
 
