@@ -183,9 +183,9 @@ def _beside_the_best(
 ) -> Iterator[Several]:
     """Yield the best single candidates, each with its best partner; only one such pair may be of two forces."""
     looked_at = sorted(tried[:_LOOKED_AT], key=lambda c: (not c.plausible, -c.evidence))
-    for rank, first in enumerate(looked_at[:_BEAM]):
+    for first in looked_at[:_BEAM]:
         terms = candidate_terms(first.fit.model, library, first.fit.windows[0])
-        if rank > 0 and first.term.is_force:
+        if first.term.is_force:
             terms = tuple(term for term in terms if not term.is_force)
         goal = baseline.highest * first.fit.degrees
         seconds = try_terms(baseline.decays, first.fit, terms, goal=goal)
