@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+
 from identify.diagnosis.linear_gain import states_of_term, with_fault
 from identify.diagnosis.ranking import DENIED, at_rest
 from identify.diagnosis.search import Begun, promising_sets
@@ -171,6 +173,8 @@ def _begun_anew(baseline: Baseline, several: Several) -> Several:
     found = several.fit
     for term in sorted(several.terms, key=lambda term: -len(term.effect.inner)):
         less = fit(found.model.minus(term.effect.name), found.windows, found.point, found.frequency)
+        if not np.isfinite(less.chi_square):
+            continue
         again = try_terms(baseline.decays, less, (term,))
         found = min((found, *(c.fit for c in again)), key=lambda one: one.chi_square)
         if baseline.adequate(found):
@@ -181,7 +185,7 @@ def _begun_anew(baseline: Baseline, several: Several) -> Several:
 def _beside_the_best(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield the best single candidates, each with its best partner; only one such pair may be of two forces."""
+    """Yield the best single candidates, each with its best partner: a fault beside a force, anything beside a fault."""
     looked_at = sorted(tried[:_LOOKED_AT], key=lambda c: (not c.plausible, -c.evidence))
     for first in looked_at[:_BEAM]:
         terms = candidate_terms(first.fit.model, library, first.fit.windows[0])
