@@ -133,11 +133,9 @@ def prepare(
     restoring = -motion.acceleration if force is None else force - motion.acceleration
     base = regress(restoring, _base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
-    if not k > 0.0:
+    if not 0.0 < k < (np.pi * record.rate) ** 2:
         raise _refusal(record, _no_spring(record))
     frequency = float(np.sqrt(k))
-    if frequency > np.pi * record.rate:
-        raise _refusal(record, _beyond_readings(record, frequency))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
     length = _length(motion, frequency, max(mu_0, 0.0) / k, sigma)
@@ -178,20 +176,12 @@ def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
 
 
 def _no_spring(record: FreeDecay) -> str:
-    """Say why no stiffness is seen: with two channels a sign may be wrong; a single channel may hold only noise."""
+    """Say why no stiffness is seen: with two channels one may be reversed or clip; a single channel may hold only noise."""
     if len(record.channels) > 1:
-        return "The motion shows no restoring force: is the displacement's sign reversed?"
+        return "The motion shows no restoring force: is the displacement's sign reversed, or does a channel clip?"
     return (
         "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "
         "release from a larger amplitude, or use a sensor with less noise."
-    )
-
-
-def _beyond_readings(record: FreeDecay, frequency: float) -> str:
-    return (
-        f"The stiffness would be that of a motion at {frequency / (2.0 * np.pi):.4g} Hz, which {record.rate:.4g} readings a "
-        "second do not show: a channel clips, or is not of this motion; release from a smaller amplitude, or name other "
-        "columns."
     )
 
 

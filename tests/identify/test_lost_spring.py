@@ -28,13 +28,10 @@ def test_a_model_without_a_spring_is_refused_in_words():
         compare_fitted(replace(baseline, fit=lost))
 
 
-@pytest.mark.slow
-def test_a_stiffness_that_the_readings_could_not_show_is_refused_in_words():
+def test_channels_that_clip_together_show_no_spring_and_are_refused_in_words():
     """A motion whose damping wanders below none: it grows until both channels clip."""
     parameters = {"wandering_damping": {"s": 0.02217, "walk": 8330.0}}
-    sample = draw("wandering_damping", 0.02, 881, seconds=120.0, mu_0=0.003, mu_1=0.02, parameters=parameters)
+    sample = draw("wandering_damping", 0.02, 882, seconds=40.0, mu_0=0.003, mu_1=0.02, parameters=parameters)
     decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
-    with pytest.raises(
-        NotIdentifiable, match=r"\d+.* Hz, which 256 readings a second do not show: a channel clips"
-    ):
+    with pytest.raises(NotIdentifiable, match=r"no restoring force: .* does a channel clip"):
         prepare(decay)
