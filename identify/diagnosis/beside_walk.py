@@ -12,6 +12,7 @@ polynomials whose coefficients are normal, those of higher orders smaller (a Gau
 The misfit is taken for linear in it, as in a random walk, which is part of every hypothesis: what a walk explains is no law.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +33,18 @@ from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
+
+_LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
+    lambda u, v, t: (u, np.ones_like(u)),
+    lambda u, v, t: (v, np.ones_like(v)),
+    lambda u, v, t: (u, np.sign(v)),
+    lambda u, v, t: (2.0 * np.abs(v) - 1.0, np.sign(v)),
+    lambda u, v, t: (u, v),
+    lambda u, v, t: (t, u),
+    lambda u, v, t: (t, v),
+    lambda u, v, t: (t, np.sign(v)),
+)
+"""The coordinate of a law and the factor of its force, from displacement, velocity and time within -1 and 1."""
 
 
 def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
@@ -56,8 +69,8 @@ def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
     return float(np.logaddexp.reduce(each) - np.log(len(each) / len(rarer)))
 
 
-def _laws(problem: Problem, theta: Array) -> list[Array]:
-    """Return the change of the misfit by each law's polynomials, each as large as the spring at the largest amplitude.
+def _laws(problem: Problem, theta: Array) -> Iterator[Array]:
+    """Yield the change of the misfit by each law's polynomials, each as large as the spring at the largest amplitude.
 
     (readings, orders) each; one law holds for all releases.
     """
@@ -65,41 +78,33 @@ def _laws(problem: Problem, theta: Array) -> list[Array]:
     far = max(float(np.max(np.abs(motion.displacement))) for motion in motions)
     fast = max(float(np.max(np.abs(motion.velocity))) for motion in motions)
     last = max(float(window.clock[-1]) for window in problem.windows)
-    windows = []
-    for i, (window, motion) in enumerate(zip(problem.windows, motions, strict=True)):
-        u, v, t = motion.displacement / far, motion.velocity / fast, 2.0 * window.clock / last - 1.0
-        way = np.sign(v)
-        forces = [
-            far * problem.frequency**2 * factor * series
-            for place, factor in (
-                (u, np.ones_like(u)),
-                (v, np.ones_like(v)),
-                (u, way),
-                (2.0 * np.abs(v) - 1.0, way),
-                (u, v),
-                (t, u),
-                (t, v),
-                (t, way),
-            )
-            for series in legendre.legvander(np.clip(place, -1.0, 1.0), _ORDERS).T[1:]
-        ]
-        windows.append(np.column_stack(changes_by(problem, theta, i, forces)))
-    off = np.zeros((len(problem.expected), windows[0].shape[1]))
-    return np.split(np.concatenate([*windows, off]), windows[0].shape[1] // _ORDERS, axis=1)
+    places = [
+        (motion.displacement / far, motion.velocity / fast, 2.0 * window.clock / last - 1.0)
+        for window, motion in zip(problem.windows, motions, strict=True)
+    ]
+    off = np.zeros((len(problem.expected), _ORDERS))
+    for law in _LAWS:
+        windows = []
+        for i, place in enumerate(places):
+            along, factor = law(*place)
+            series = legendre.legvander(np.clip(along, -1.0, 1.0), _ORDERS).T[1:]
+            forces = far * problem.frequency**2 * factor * series
+            windows.append(np.column_stack(changes_by(problem, theta, i, list(forces))))
+        yield np.concatenate([*windows, off])
 
 
 @dataclass(frozen=True)
 class WithoutName:
-    """What may act beside a fit without a name: a random walk of spring and damper, and a smooth law beside that."""
+    """The evidence (nats) for what may act beside a fit: a random walk of spring and damper, and a smooth law beside it."""
 
-    walk: RandomWalk
+    walk: float
     law: float
 
     @classmethod
     def beside(cls, found: Fit) -> "WithoutName":
-        """Weigh both beside a fit, the law in nats."""
+        """Weigh both beside a fit."""
         walk = walk_beside(found)
-        return cls(walk, smooth_law_beside(found, walk))
+        return cls(walk.evidence, smooth_law_beside(found, walk))
 
 
 def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
@@ -108,7 +113,7 @@ def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last:
     `last` is the fit with the leader; the others explain as much, and leave as much.
     """
     first = WithoutName.beside(before)
-    shift = last.walk.evidence - first.walk.evidence
+    shift = last.walk - first.walk
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,

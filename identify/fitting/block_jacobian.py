@@ -136,14 +136,13 @@ class BlockJacobian:
 
     def free(self, columns: Array) -> Array:
         """Remove from columns (readings, m), or one (readings,), the part that the unknowns can follow to first order."""
-        parts = [
-            part - own @ (own.T @ part)
-            for (own, _), part in zip(self.bases, (columns[rows] for rows in self.rows), strict=True)
-        ]
-        together = sum(shared.T @ part for (_, shared), part in zip(self.bases, parts, strict=True))
-        return np.concatenate(
-            [part - shared @ together for (_, shared), part in zip(self.bases, parts, strict=True)]
-        )
+        free = columns.copy()
+        for (own, _), rows in zip(self.bases, self.rows, strict=True):
+            free[rows] -= own @ (own.T @ free[rows])
+        together = sum(shared.T @ free[rows] for (_, shared), rows in zip(self.bases, self.rows, strict=True))
+        for (_, shared), rows in zip(self.bases, self.rows, strict=True):
+            free[rows] -= shared @ together
+        return free
 
     @cached_property
     def bases(self) -> list[tuple[Array, Array]]:

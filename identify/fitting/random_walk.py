@@ -10,7 +10,6 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -112,7 +111,8 @@ def _responses(problem: Problem, theta: Array, kind: str) -> Array:
         blocks.append(np.column_stack(changes_by(problem, theta, i, ramps)))
         times += [(window.release, knot) for knot in knots.tolist()]
     blocks.append(np.zeros((len(problem.expected), 0)))
-    return np.asarray(block_diag(*blocks) @ _steps(times))
+    parts = np.split(_steps(times), np.cumsum([block.shape[1] for block in blocks[:-1]]))
+    return np.concatenate([block @ part for block, part in zip(blocks, parts, strict=True)])
 
 
 def _steps(times: list[tuple[int, float]]) -> Array:
