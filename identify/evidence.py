@@ -160,11 +160,12 @@ def _log_det(correlations: Array) -> float:
 def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scales) -> float:
     """Return the width of an unknown's range, in its unit: the inverse of its prior density at a value.
 
-    Uniform for states, phases and the frequencies of lines, else in the logarithm, over what a fit may reach.
+    Uniform for bounded states, phases and the frequencies of lines, Cauchy's for other states: a light oscillator may
+    swing by many times the motion. Else uniform in the logarithm, over what a fit may reach.
     """
     if unknown.id.role != "parameter":
-        between = unknown.high - unknown.low
-        return between if np.isfinite(between) else 2.0 * unknown.size
+        between, size = unknown.high - unknown.low, unknown.size
+        return between if np.isfinite(between) else np.pi * size * (1.0 + (value / size) ** 2)
     term = terms[unknown.id.effect]
     if term.effect.line and unknown.unit == "rad":
         return 2.0 * np.pi

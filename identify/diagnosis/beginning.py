@@ -18,7 +18,15 @@ from identify.diagnosis.linear_gain import (
 from identify.effects.effect import Scales
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit
-from identify.fitting.initial_values import initial_values, regress_model, scales_of, term_starts
+from identify.fitting.initial_values import (
+    close_starts,
+    initial_nuisances,
+    initial_values,
+    regress_model,
+    regress_states,
+    scales_of,
+    term_starts,
+)
 from identify.fitting.jacobian import linearise, take_steps
 from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
@@ -61,23 +69,24 @@ def begin(
     goal: float,
     *,
     by_gain: bool,
-) -> Beginning | None:
-    """Take the first steps of a fit from a few starts and keep the best; None where a fault has no start.
+) -> tuple[Beginning, ...]:
+    """Take the first steps of a fit from a few starts and keep the best; none where a fault has no start.
 
     If `by_gain`, near the floor, a force begins very weak at the places of its largest linear gains, where it grows as
     far as these predict; then at the strengths of the equation error. Where both make the fit worse it begins very weak
-    from all starts: no model need be worse than a part of itself.
+    from all starts: no model need be worse than a part of itself. Of one whose memory need not have begun at rest the best
+    of such starts is kept, too, its first steps taken with all parameters free: held, they drive its strength to none.
     """
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
     effect = term.effect
     held = np.array([u.id.effect == effect.name and u.id.parameter in effect.inner for u in problem.unknowns])
 
-    def best_of(points: list[Array], damping: float) -> list[Beginning]:
+    def best_of(points: list[Array], damping: float, *, held: Mask | None = held) -> list[Beginning]:
         found = []
         for point in points:
             theta = np.clip(point, problem.low, problem.high)
-            begun = None if slope is None else _from_slope(slope, problem, theta, held)
+            begun = None if slope is None or held is None else _from_slope(slope, problem, theta, held)
             end = minimise(
                 problem,
                 theta,
@@ -96,18 +105,21 @@ def begin(
 
     starts: Starts = term_starts(term, scales)
     likely: Starts = ()
+    from_elsewhere: list[Beginning] = []
     if by_gain and slope is not None:
         likely = likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
     if _has_free_state(problem, term):  # of hardly any strength it could be as large as any by its state
         points = _promising(decays, base, problem, term, likely, _STARTS)
         found = best_of(points + _promising(decays, base, problem, term, starts, _STARTS), _DAMPING)
+        places = _not_from_rest(decays, base, problem, term, close_starts(term, scales))
+        from_elsewhere = best_of(places, _DAMPING, held=None)
     else:
         found = best_of(hardly_there(likely), _NO_DAMPING)
         points = _promising(decays, base, problem, term, starts, _STARTS - len(likely))
         found += best_of(points, _DAMPING)
     if term.is_force and not any(one.cost <= _ASTRAY * base.chi_square for one in found):
         found += best_of(hardly_there(starts[:_STARTS]), _NO_DAMPING)
-    return min(found, key=lambda one: one.cost, default=None)
+    return (*sorted(found, key=lambda one: one.cost)[:1], *from_elsewhere)
 
 
 def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
@@ -164,6 +176,35 @@ def _promising(
             point[strength] = weak_strength(largest, term, inner) or 0.0
         if base.reduced < LINEAR_UP_TO:
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
+        points.append(problem.theta(point))
+    return points
+
+
+def _not_from_rest(
+    decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, starts: Starts
+) -> list[Array]:
+    """List complete starting points at which the memory of a force did not begin at rest, the best by equation error.
+
+    Strengths and states are those of the equation error.
+    """
+    model, effect = problem.model, term.effect
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
+    place = [t.effect.name for t in model.forces].index(effect.name)
+    physics = {name: estimate.value for name, estimate in base.parameters.items()}
+    ranked: list[tuple[float, dict[str, float]]] = []
+    for start in starts:
+        inner = physics | term.by_name(start)
+        found, _ = regress_states(largest, model, inner, term)
+        if effect.strength.low <= found.strengths[place] <= effect.strength.high:
+            each = zip(model.forces, found.strengths.tolist(), strict=False)
+            ranked.append((found.rss, inner | {str(force.strength): value for force, value in each}))
+    ranked.sort(key=lambda entry: entry[0])
+    points = []
+    for _, values in ranked[:_STARTS]:
+        point = initial_nuisances(decays, model, values) | values
+        for i, decay in enumerate(decays):
+            for j, off in enumerate(regress_states(decay, model, values, term)[1].tolist()):
+                point[str(term.state(j).of_release(i, len(decays)))] += off
         points.append(problem.theta(point))
     return points
 

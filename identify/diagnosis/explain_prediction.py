@@ -40,24 +40,29 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it predicts {basis}."]
-    words += _undecided(found) or [
+    words += [*_undecided(found), *_not_sure(suspects[:1], before)] or [
         "No effect of the library explains it better than a drift of the rig would."
     ]
-    return " ".join([*words, *(_unclear(suspect, before) for suspect in suspects[:1])]).strip()
+    return " ".join(words)
 
 
-def _unclear(suspect: Suspect, before: float) -> str:
-    """Say that a force would explain nearly all of it, but its strength may be zero; "" where that is not so."""
-    share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
-    strength = suspect.parameters.get(suspect.effect.strength.name)
-    if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
-        return ""
-    if is_clear(suspect.fit, suspect.term):
-        return ""
-    return (
-        f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "
-        f"its strength, {quantities({suspect.effect.strength.name: strength})[0]}, may be zero."
-    )
+def _not_sure(leading: tuple[Suspect, ...], before: float) -> list[str]:
+    """Say of a force that would explain nearly all of it what keeps it from a name; nothing where there is no such force."""
+    sentences = []
+    for suspect in leading:
+        share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
+        strength = suspect.parameters.get(suspect.effect.strength.name)
+        if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
+            continue
+        would = f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves"
+        if not is_clear(suspect.fit, suspect.term):
+            shown = quantities({suspect.effect.strength.name: strength})[0]
+            sentences.append(f"{would}, but its strength, {shown}, may be zero.")
+        elif suspect.rivals:
+            sentences.append(
+                f"{would}; {among([plain_name(name) for name in suspect.rivals], 'or')} would do as well."
+            )
+    return sentences
 
 
 def explain_driven(found: Confirmation, unit: str) -> str:

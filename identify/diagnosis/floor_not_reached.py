@@ -43,18 +43,20 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
 
     A line of a sensor must be worth a name; a smaller one joins the model that is judged, with a remark. The strength
     of a force must differ clearly from zero: a flexible law can fit any assumed noise. Of indistinguishable forces the one
-    without a constant of its own leads, else the simplest; a law of time among laws of the amplitude names nothing.
+    without a constant of its own leads, else the simplest of such a strength; a law of time among laws of the amplitude
+    names nothing.
     """
     line = alone.ranked[0]
     if line.term.effect.line and not line.term.is_force and line_percent(line.fit, line.term) < LARGE:
         return replace(alone, verdict="nothing_missing", ranked=unclaimed(alone.ranked))
     alike = _alike(baseline, alone.ranked)
-    predicted = next((entry for entry in alike if is_predicted(entry)), None)
-    best = predicted or min(alike, key=lambda entry: complexity(entry.term.effect))
-    of_one_kind = predicted is not None or len({entry.term.effect.of_time for entry in alike}) == 1
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
-    if not (of_one_kind and clear):
-        return by_curves(baseline, alone.ranked, found, best.fit)
+    predicted = tuple(entry for entry in alike if is_predicted(entry))[:1]
+    of_one_kind = bool(predicted) or len({entry.term.effect.of_time for entry in alike}) == 1
+    simplest_first = predicted or sorted(alike, key=lambda entry: complexity(entry.term.effect))
+    clear = (e for e in simplest_first if e.term.effect.kind != "physics" or is_clear(e.fit, e.term))
+    best = next(clear, None) if of_one_kind else None
+    if best is None:
+        return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
     rest = tuple(entry for entry in alone.ranked if entry is not best)
     return replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
 

@@ -208,7 +208,7 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
     Beyond it the same force has another name: a stiffness that settles in hours drifts.
     """
     name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
-    if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):
+    if not (term.effect.of_time and term.effect.inner):
         return Hypothesis(name, found, 0.0)
     own = {key: estimate.value for key, estimate in found.of(term, 0).items()}
     starts = close_starts(term, scales)

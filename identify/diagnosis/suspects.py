@@ -109,8 +109,7 @@ def try_terms(
     whole = 2 * len(terms)
     begun: list[Beginning] = []
     for done, term in enumerate(terms, 1):
-        beginning = begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
-        begun += [beginning] if beginning is not None else []
+        begun += begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
         counted(done, whole)
     begun.sort(key=lambda beginning: beginning.cost)
     tried: list[Candidate] = []

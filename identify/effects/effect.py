@@ -73,8 +73,8 @@ class Effect(ABC):
     which the best counts. `plausible(values, scales)` is False where its values make it the same force as another effect.
     `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
     frequency and a phase that are free: chance offers it every peak of a periodogram. Of effects that a record does not
-    distinguish the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect `of_time` moves
-    with the clock, not with the motion. An effect that `shows_detection_limit` is quoted, with the strength that would
+    distinguish the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect `of_time` drifts
+    with the clock. An effect that `shows_detection_limit` is quoted, with the strength that would
     have been seen, where nothing is missing.
     """
 

@@ -76,7 +76,6 @@ _RESOLVED = 0.25
 
 
 HARMONIC_FORCING = ForceEffect(
-    of_time=True,
     name="harmonic_forcing",
     title="shaking from outside at one frequency",
     equation="-amp sin(2 pi f t + phase)",

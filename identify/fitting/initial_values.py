@@ -147,6 +147,28 @@ def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]
     return regress(prepared.restoring, columns, moving(motion), motion.noise_acceleration or 1.0)
 
 
+def regress_states(
+    prepared: PreparedDecay, model: Model, inner: dict[str, float], term: Term
+) -> tuple[Regression, Array]:
+    """Regress the restoring force on a model's forces, and on what one of them adds if its memory did not begin at rest.
+
+    With the regression comes how far off rest it began, (states,): its force is linear in that, as in its strength.
+    """
+    motion, columns = prepared.motion, _force_columns(prepared, model, inner)
+    place, effect = model.forces.index(term), term.force
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+    size = np.diag(effect.state_sizes(prepared.amplitude, prepared.frequency))[: effect.states]
+    begun = [
+        prepared.window.lightness * force_along(term, inner_values(term, inner), *along, off=(one[0], one[1]))
+        - columns[:, place]
+        for one in size.tolist()
+    ]
+    noise = motion.noise_acceleration or 1.0
+    found = regress(prepared.restoring, np.column_stack([columns, *begun]), moving(motion), noise)
+    strength = found.strengths[place] or np.inf
+    return found, found.strengths[columns.shape[1] :] / strength @ size[:, : effect.states]
+
+
 def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
     """Collect the sizes from which effects take their starting values."""
     window = prepared.window

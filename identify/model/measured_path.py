@@ -49,13 +49,15 @@ def force_along(
     v: Array,
     frequency: float,
     before: tuple[Array, Array, Array] | None = None,
+    *,
+    off: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """Return the force per unit mass and unit strength of an effect along a motion, shape (n,).
 
     `inner` holds the inner parameters by their own names; shared parameters are taken at their rough values for a
     motion of angular `frequency` (rad/s). Internal states come from equilibrium at the first sample; those of a memory that
     fades from equilibrium at the first sample of the motion `before` (time, displacement, velocity) that ends there, if
-    one is given: a light oscillator has turned by half a cycle while a hand lets go.
+    one is given: a light oscillator has turned by half a cycle while a hand lets go. They begin `off` these states.
     """
     effect = term.force
     shared = {name: roughly(frequency) for name, roughly in effect.shared_parameters.items()}
@@ -65,5 +67,5 @@ def force_along(
     else:
         rest = effect.states_at_rest(float(before[1][0]), p)
         begun = tuple(effect.states_along(p, *before, rest, steps=_STEPS_BEFORE)[-1])
-    states = effect.states_along(p, time, u, v, begun)
+    states = effect.states_along(p, time, u, v, (begun[0] + off[0], begun[1] + off[1]))
     return effect.force_along(p, time, u, v, states)
