@@ -4,7 +4,6 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +72,7 @@ def campaign_document(
             _row(source, result, (metadata or {}).get(source.folder.name, Known()))
             for source, result in run.results
         ),
-        key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
+        key=lambda row: (row.made.timestamp(), row.result.session),
     )
     parameters = parameter_series(rows)
     named = Counter(name for row in rows for name in row.result.named)
@@ -93,14 +92,10 @@ def campaign_document(
 
 
 def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
-    info = source.info
-    conditions: dict[str, float] = {}
-    if info is not None:
-        conditions = dict(info.conditions)
-        if info.mass_kg is not None:
-            conditions = {"mass [kg]": info.mass_kg} | conditions
-    made: datetime | None = known.date or (info.created if info is not None else None)
-    return CampaignRow(made=made, conditions=conditions | known.conditions, result=result)
+    assert source.info is not None  # it has a result
+    mass = {} if source.info.mass_kg is None else {"mass [kg]": source.info.mass_kg}
+    conditions = mass | source.info.conditions | known.conditions
+    return CampaignRow(made=known.date or source.info.created, conditions=conditions, result=result)
 
 
 def parameter_series(rows: list[CampaignRow]) -> list[Series]:
@@ -125,7 +120,7 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
     for unit in dict.fromkeys(row.result.unit for row in rows):
         values = [or_nan(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
         found.append((AMPLITUDE, unit, values))
-    dates = [row.made.timestamp() / DAY if row.made else math.nan for row in rows]
+    dates = [row.made.timestamp() / DAY for row in rows]
     found.append((DATE, "day", dates))
     for key in dict.fromkeys(key for row in rows for key in row.conditions):
         parts = NAME_AND_UNIT.fullmatch(key)

@@ -18,11 +18,12 @@ from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.diagnosing import keep
 from station.operations.provisional import Provisional
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
+from station.story.preparation import prepare_session
 
 RIG = ("--holder=-25,25", "--releases=20")
 """Of the simulated board: between which displacements (mm) it holds the mass, and at which what it hides has its size."""
@@ -93,7 +94,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             told = _again(told, rejected, [one.problem for one in turns])
         else:
             try:
-                prepared = prepare_with_floor(session, test.settings)
+                prepared = with_floor(session, prepare_session(session, test.settings))
                 trial = SessionSet((*sessions, session), (*decays, prepared))
                 found = diagnose(trial.decays)
             except NotIdentifiable as refusal:

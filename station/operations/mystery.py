@@ -19,7 +19,7 @@ from station.exits import UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import new_folder
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
@@ -29,6 +29,7 @@ from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
 from station.settings import Settings
 from station.story.engineering_values import Weighing
+from station.story.preparation import prepare_session
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
@@ -100,7 +101,8 @@ def solve(
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
     session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
-    sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
+    prepared = with_floor(session, prepare_session(session, settings))
+    sessions = SessionSet((session,), (prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)

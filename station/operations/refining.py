@@ -24,13 +24,14 @@ from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress
+from station.story.preparation import prepare_session
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
@@ -70,7 +71,7 @@ def open_refinement(
     ladder = None if reset or model_file is not None else read_ladder(session)
     if gain_percent is None and ladder is not None:
         gain_percent = ladder.gain_percent
-    prepared = prepare_with_floor(session, settings, gain_percent)
+    prepared = with_floor(session, prepare_session(session, settings, gain_percent))
     if ladder is None:
         begun = first_model((session,), model_file, library)
         step = first_step((prepared,), begun.model, begun.start((prepared,)))

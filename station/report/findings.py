@@ -14,19 +14,18 @@ from station.operations.comparing import compare_session, compared_with
 from station.operations.current_model import model_of_step
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
-from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.pipeline import Progress
-from station.story.preparation import Options
+from station.story.preparation import Options, prepare_session
 
 
 @dataclass(eq=False)
@@ -41,7 +40,6 @@ class Findings:
     options: Options
     manifest: Manifest | None = None
     identification: Identification | None = None
-    document: IdentificationDocument | None = None
     compared: Compared | None = None
     first: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
@@ -61,12 +59,12 @@ def gather(
     """
     found = Findings(session, session.recording(), kept_options(session, settings, mass))
     with _or_say_why(found, "identification", NotIdentifiable):
-        found.identification, found.document = identify_session(session, found.options)
+        found.identification, _ = identify_session(session, found.options)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
         found.compared, _ = compare_session(session, settings, mass=mass)
     if diagnose:
         with _or_say_why(found, "suspects", NotIdentifiable):
-            sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
+            sessions = SessionSet((session,), (with_floor(session, prepare_session(session, settings)),))
             _, document = diagnose_sessions(sessions, progress=progress)
             keep(sessions, document)
     with _or_say_why(found, "suspects", UsageProblem):
@@ -116,7 +114,7 @@ def _take_model(found: Findings, settings: Settings) -> None:
     if document is not None:
         with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
             found.maps = kept_force_maps(document, prepared, library)
-            found.curves = kept_curves(session, prepared, document, library, settings)
+            found.curves = kept_curves(refinement, document, settings)
     if refined:
         found.ladder = ladder
         if ladder.present > 0 and found.compared is not None:

@@ -8,6 +8,7 @@ from daq.recording import Channel
 from identify.formatting import three_figures, with_error
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
+from station.results.identification_document import amplitude
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
@@ -128,10 +129,9 @@ def _release(found: Findings) -> list[tuple[str, str]]:
         ),
         ("rest before", f"{rest:.2f} s"),
     ]
-    amplitude = None if found.document is None else found.document.release.amplitude
-    if amplitude is not None:
+    if (size := amplitude(found.identification)) is not None:
         factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{abs(amplitude) * factor:.4g} {typeset_unit(label)}"))
+        rows.append(("amplitude", f"{abs(size) * factor:.4g} {typeset_unit(label)}"))
     return rows
 
 

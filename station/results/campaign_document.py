@@ -39,7 +39,7 @@ class SessionResult(Document):
 class CampaignRow(Part):
     """One session of the table: its result, and the numbers known of the test, such as "temperature [degC]"."""
 
-    made: datetime | None
+    made: datetime
     conditions: dict[str, float]
     result: SessionResult
 

@@ -32,7 +32,7 @@ def trends_csv(document: CampaignDocument) -> str:
 def _cells(row: CampaignRow, conditions: list[str]) -> dict[str, Any]:
     """Write a session's cells by the name of their column."""
     result = row.result
-    cells: dict[str, Any] = {"session": result.session, "made": row.made and row.made.isoformat()}
+    cells: dict[str, Any] = {"session": result.session, "made": row.made.isoformat()}
     cells |= {key: row.conditions.get(key) for key in conditions}
     cells |= {"amplitude": result.amplitude, "amplitude unit": result.unit}
     cells |= {name: getattr(result, name) for name in ERRORS}
