@@ -1,6 +1,8 @@
 """What a command prints: one JSON object on stdout when asked, progress and errors on stderr."""
 
+import shlex
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -35,6 +37,16 @@ def screen() -> "Console":
 
     console = SafeConsole(highlight=False)
     return console if console.is_terminal else SafeConsole(highlight=False, width=WIDTH)
+
+
+def command_line(*words: str | Path) -> str:
+    """Return a command of the station as it is typed: `station` and the words, quoted where a shell would part them."""
+    return f"station {shlex.join(str(word) for word in words)}"
+
+
+def next_line(*words: str | Path) -> str:
+    """Return the last line of a command's output, which says what to run next."""
+    return f" next: {command_line(*words)}"
 
 
 def say(line: str) -> None:

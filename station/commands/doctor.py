@@ -7,7 +7,7 @@ import click
 
 from station import exits
 from station.commands.options import JSON, declared, option
-from station.output import print_json, say, screen
+from station.output import next_line, print_json, say, screen
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -43,7 +43,6 @@ def command(
 
 def _next(findings: list["Finding"], port: str | None, *, failed: bool) -> str:
     """Return the command that comes next: a capture where a board answered, the same check once a fault is mended."""
-    from station.text.next_step import next_line
 
     at = () if port is None else ("--port", port)
     if failed:

@@ -4,9 +4,8 @@ from typing import Any
 
 from station.commands.options import JSON, argument, declared
 from station.exits import Answered, code_of
-from station.output import print_json, say, screen
+from station.output import next_line, print_json, say, screen
 from station.settings import Settings
-from station.text.next_step import next_line
 
 
 @declared("recover")

@@ -6,9 +6,8 @@ import click
 
 from station.commands.options import JSON, SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import print_json, progress
+from station.output import next_line, print_json, progress
 from station.settings import Settings
-from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from daq.session import Session

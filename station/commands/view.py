@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from station.commands.options import JSON, NO_VIEWER, SESSION, declared, option
-from station.output import print_json, progress, say
+from station.output import next_line, print_json, progress, say
 from station.settings import Settings
-from station.text.next_step import next_line
 
 
 @declared("view")

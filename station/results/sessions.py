@@ -23,7 +23,7 @@ from station.exits import UsageProblem
 from station.output import progress
 from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
-from station.results.session_names import find_session, no_such
+from station.results.session_names import session_folder
 from station.story.free_part import dies_away, free_from
 from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
@@ -48,18 +48,11 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     `session_names`), or a data file, which is imported first (a second time it is opened, not imported
     again). Raises UsageProblem when it is none of these.
     """
-    path = Path(argument)
-    if path.is_dir():
+    path = session_folder(argument, sessions, "session or data file")
+    if not path.is_file():
         return Session.open(path)
-    if path.is_file():
-        known = made_of(path, sessions)
-        if known:
-            return Session.open(known[0])
-        return _import_on_the_way(path, sessions, info or SessionInfo())
-    named = find_session(argument, sessions)
-    if named is not None:
-        return Session.open(named)
-    raise no_such(argument, sessions, "session or data file")
+    known = made_of(path, sessions)
+    return Session.open(known[0]) if known else _import_on_the_way(path, sessions, info or SessionInfo())
 
 
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:

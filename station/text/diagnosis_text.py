@@ -1,20 +1,25 @@
 """A diagnosis in words: the verdict, the residual with each suspect, which are not distinguishable, what to record next."""
 
+import math
+from collections.abc import Sequence
+
 from identify.diagnosis.verdict import HEADLINES
-from identify.formatting import DASH, among, plain_name, three_figures
+from identify.formatting import DASH, among, plain_name, three_figures, with_error
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import FindingDocument, SuspectDocument
+from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument
+from station.results.documents import EstimateDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import typeset, with_names, with_unit
-from station.text.shares_text import shares_tables
+from station.text.numbers import scale, typeset, typeset_unit, with_names, with_unit
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
+_DECIMALS = {"%": 2, "Hz": 5}
+_FIGURES = 4
 
 
 def headline(document: DiagnosisDocument) -> str:
@@ -236,3 +241,37 @@ def not_distinguishable(document: DiagnosisDocument) -> str:
     rivals = among([plain_name(name) for name in document.rivals], "or")
     record = "this record" if len(document.sessions) < 2 else "these records"
     return f"{record} cannot distinguish {plain_name(document.named[0])} from {rivals}"
+
+
+def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
+    """Make a table for the largest and one for the smallest amplitude, an effect a row; none where nothing is known."""
+    found = []
+    for which, at in zip(("largest", "smallest"), shares, strict=False):
+        factor, unit = scale("displacement", at.unit)
+        rows = tuple(
+            (one.effect, _cell(one.force), three_figures(one.force_percent.value), _cell(one.loss_percent),
+             _cell(one.frequency_percent))
+            for one in at.effects
+        )  # fmt: skip
+        size = f"{three_figures(factor * (at.amplitude or 0.0))} {unit}"
+        head = (
+            f"at {size},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
+            "of all but\nspring, %", "of the loss\n%", "frequency\nraised by %",
+        )  # fmt: skip
+        found.append(Table("", head, rows))
+    return tuple(found)
+
+
+def _cell(found: EstimateDocument) -> str:
+    """Write four figures of a value, or two decimals of a percentage, with the error rounded up; "0" for none."""
+    value, std = found.value, found.std
+    if value is None or (value == 0.0 and std == 0.0):
+        return DASH if value is None else "0"
+    if found.unit not in _DECIMALS and not 1e-3 <= abs(value) < 1e5:
+        return three_figures(value) if std is None else with_error(value, std)
+    most = _DECIMALS.get(found.unit) or max(_FIGURES - 1 - math.floor(math.log10(abs(value))), 0)
+    if std is None:
+        return f"{value:.{most}f}"
+    decimals = min(max(-math.floor(math.log10(std)), 0) if std > 0.0 else most, most)
+    up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals
+    return f"{value:.{decimals}f} ± {up:.{decimals}f}"
