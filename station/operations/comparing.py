@@ -4,7 +4,7 @@ from pathlib import Path
 
 from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.operations.current_model import CurrentModel, current_model
+from station.operations.current_model import current_model
 from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
@@ -12,7 +12,7 @@ from station.results.documents import write_document
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.pipeline import compare
-from station.story.preparation import options_for, prepare_session
+from station.story.preparation import prepare_session
 
 
 def compare_session(
@@ -31,28 +31,7 @@ def compare_session(
     """
     prepared = prepared or with_floor(session, prepare_session(session, settings, mass=mass))
     current = current_model((session,), model_file, whole_library(effects_file))
-    compared = compared_with(session, settings, current, prepared, mass)
+    compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)
     write_document(session, NAME, document)
     return compared, document
-
-
-def compared_with(
-    session: Session,
-    settings: Settings,
-    current: CurrentModel,
-    prepared: PreparedDecay,
-    mass: float | None = None,
-) -> Compared:
-    """Compare a session with a model; nothing is written."""
-    weight = options_for(session, settings, mass).mass
-    start = current.start((prepared,))
-    return compare(
-        session.folder.name,
-        prepared,
-        current.model,
-        start,
-        mass=weight,
-        words=current.words,
-        remark=current.remark,
-    )

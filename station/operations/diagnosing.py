@@ -5,11 +5,12 @@ from pathlib import Path
 from identify.comparison.other_benches import OTHER_BENCH, other_benches
 from identify.diagnosis.diagnose import Diagnosis
 from station.exits import UsageProblem
-from station.operations.current_model import CurrentModel, current_model
+from station.operations.current_model import current_model
 from station.operations.session_set import SessionSet
 from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import write_document
+from station.story.known_model import KnownModel
 from station.story.pipeline import Progress, diagnose, silent
 
 
@@ -35,7 +36,7 @@ def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> 
 
 def diagnose_sessions(
     sessions: SessionSet,
-    model: CurrentModel | Path | None = None,
+    model: KnownModel | Path | None = None,
     effects_file: Path | None = None,
     progress: Progress = silent,
     steps: Progress = silent,
@@ -47,7 +48,7 @@ def diagnose_sessions(
     Returns the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`.
     """
     library = whole_library(effects_file)
-    if not isinstance(model, CurrentModel):
+    if not isinstance(model, KnownModel):
         model = current_model(sessions.sessions, model, library)
     found, left_out = diagnose(
         sessions.decays,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from daq.errors import StationError
 from daq.manifest import Manifest
@@ -10,7 +10,7 @@ from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session, compared_with
+from station.operations.comparing import compare_session
 from station.operations.current_model import model_of_step
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
@@ -24,7 +24,7 @@ from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.pipeline import Progress
+from station.story.pipeline import Progress, compare
 from station.story.preparation import Options, prepare_session
 
 
@@ -119,4 +119,5 @@ def _take_model(found: Findings, settings: Settings) -> None:
         found.ladder = ladder
         if ladder.present > 0 and found.compared is not None:
             first = model_of_step(ladder.steps[0], library)
-            found.first = compared_with(session, settings, first, prepared, found.options.mass)
+            weighed = replace(prepared, mass=found.options.mass)
+            found.first = compare(session.folder.name, weighed, first)

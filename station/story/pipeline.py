@@ -30,6 +30,7 @@ from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_w
 from station.story.adequacy import adequacy, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
+from station.story.known_model import KnownModel
 from station.story.preparation import Options, locate
 
 if TYPE_CHECKING:
@@ -120,24 +121,15 @@ def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = 
     return replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
-def compare(
-    name: str,
-    prepared: PreparedDecay,
-    model: Model | None = None,
-    known: dict[str, float] | None = None,
-    *,
-    mass: float | None = None,
-    words: str = "the usual model",
-    remark: str = "",
-) -> Compared:
+def compare(name: str, prepared: PreparedDecay, known: KnownModel) -> Compared:
     """Fit a model to the session `name` and find where it fails; a long record is judged in its pieces.
 
-    The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin from, by unknown's
-    name; with a `mass` (kg) forces are in N; `words` say which model it is, `remark` why it is not another.
+    Forces are in N where the mass is known.
     """
-    baseline = fit_baseline((prepared,), model or base_model(), known)
-    seen = compare_baseline(baseline, mass=mass)
-    return Compared(name, baseline, seen, _in_pieces(baseline, known or {}), words, remark)
+    start = known.start((prepared,))
+    baseline = fit_baseline((prepared,), known.model, start)
+    seen = compare_baseline(baseline, mass=prepared.mass)
+    return Compared(name, baseline, seen, _in_pieces(baseline, start or {}), known.words, known.remark)
 
 
 def _in_pieces(whole: Baseline, known: dict[str, float]) -> Baseline:
