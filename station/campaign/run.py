@@ -13,8 +13,8 @@ from daq.storage import read_regular, refused, write_whole
 from station.campaign.sources import Request, work_on
 from station.campaign.work import Work
 from station.campaign.workers import performed
-from station.results.campaign_document import FailedSession, SessionResult
-from station.results.documents import LARGEST
+from station.results.campaign_document import SessionResult
+from station.results.documents import LARGEST, RefusedSession
 
 SESSIONS = "sessions"
 LONGEST_NAME = 80
@@ -28,7 +28,7 @@ class Run:
     """The result of a run: each source with its result, those without one, and the time that it took."""
 
     results: list[tuple[SessionSummary, SessionResult]] = field(default_factory=list)
-    failed: list[FailedSession] = field(default_factory=list)
+    failed: list[RefusedSession] = field(default_factory=list)
     done: int = 0
     kept: int = 0
     workers: int = 0
@@ -57,7 +57,7 @@ def run_campaign(
     def take(source: SessionSummary, result: SessionResult | str) -> None:
         reason = result if isinstance(result, str) else result.reason
         if isinstance(result, str) or reason:
-            run.failed.append(FailedSession(session=source.folder.name, reason=reason))
+            run.failed.append(RefusedSession(session=source.folder.name, reason=reason))
         else:
             run.results.append((source, result))
         watch(source.folder.name, reason)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.session import SessionSummary
 from daq.storage import write_whole
+from identify.arrays import Array
 from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign, unwatched
@@ -27,8 +27,6 @@ from station.results.campaign_document import (
 )
 from station.text import campaign_table as table
 from station.text.numbers import or_nan
-
-Array = NDArray[np.float64]
 
 AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")

@@ -73,6 +73,13 @@ class EstimateDocument(Part):
     unit: str
 
 
+class RefusedSession(Part):
+    """A session without a result, and the reason."""
+
+    session: str
+    reason: str
+
+
 class ChannelNoise(Part):
     """The noise of one channel, its standard error and where it was seen."""
 

@@ -4,12 +4,12 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from identify.arrays import Array
 from identify.restoring_force.restoring_force import RestoringForceResult
 from station.story.identification import Identification
 from station.text.numbers import scale
 from station.views import identification_figures as figures
 from station.views import log, palette
-from station.views.log import Array
 from station.views.palette import Look
 from station.views.tabs import refused
 

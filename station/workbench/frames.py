@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from identify.arrays import Array
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import shoot
 from identify.comparison.residual_force import estimate_extra_force
@@ -27,8 +28,6 @@ FEWEST = 4
 
 UNKNOWN = 8.0
 """Times the median standard error above which nothing is known of a cell."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
