@@ -50,15 +50,9 @@ class Solved:
     truth: dict[str, Any]
 
     @property
-    def found(self) -> tuple[str, ...]:
-        """What the diagnosis named."""
-        return tuple(self.diagnosis.named)
-
-    @property
     def right(self) -> bool:
         """Whether what was hidden is what was named first, or is not distinguishable from it."""
-        hidden = self.truth["hidden"]
-        return bool(self.found) and self.found[0] == hidden
+        return self.diagnosis.named[:1] == [self.truth["hidden"]]
 
 
 def play(
@@ -142,11 +136,11 @@ def hidden_words(truth: dict[str, Any]) -> str:
 def revealed(solved: Solved) -> Told:
     """Tell what was hidden, and whether it was found."""
     hidden, left = plain_name(solved.truth["hidden"]), solved.ladder.top.error.words
-    tone: Tone = "good" if solved.right else "bad" if solved.found else "unsure"
+    tone: Tone = "good" if solved.right else "bad" if solved.diagnosis.named else "unsure"
     if solved.right:
         said = f"FOUND: {hidden} was named, and the model now leaves {left}."
-    elif solved.found:
-        said = f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {hidden}."
+    elif solved.diagnosis.named:
+        said = f"NOT FOUND: {plain_name(solved.diagnosis.named[0])} was named instead of {hidden}."
         if solved.truth["hidden"] in solved.diagnosis.suspects[0].confusable_with:
             said += " The diagnosis does say that the two are easily confused."
     else:

@@ -4,25 +4,22 @@
 - `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
-- `diagnose`: prepared decays, model -> what the model lacks
-- `refine`: prepared decay, model -> the ladder: the error, step by step, as effects are added
+- `identify.diagnosis.diagnose.diagnose`: prepared decays, model -> what the model lacks
+- `identify.diagnosis.diagnose.refine`: prepared decay, model -> the ladder: the error, step by step, as effects are added
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from daq.recording import Recording
 from identify.comparison.compare import compare_fitted as compare_baseline
-from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.segments import segments_of
-from identify.fitting.validation import LeftOut, leave_one_out
 from identify.free_decay import FreeDecay
-from identify.model.model import Model, base_model, model_of_orders
+from identify.model.model import model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
@@ -32,9 +29,6 @@ from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.known_model import KnownModel
 from station.story.preparation import Options, locate
-
-if TYPE_CHECKING:
-    from identify.diagnosis.diagnose import Diagnosis
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -140,28 +134,3 @@ def _in_pieces(whole: Baseline, known: dict[str, float]) -> Baseline:
     physics = {name: known.get(name, found.value) for name, found in whole.fit.parameters.items()}
     start = initial_values(parts, whole.fit.model, physics)
     return fit_baseline(parts, whole.fit.model, start)
-
-
-def diagnose(
-    decays: tuple[PreparedDecay, ...],
-    model: Model | None = None,
-    known: dict[str, float] | None = None,
-    *,
-    library: tuple[Effect, ...] = LIBRARY,
-    worth: float = 0.0,
-    progress: Progress = silent,
-    steps: Progress = silent,
-) -> "tuple[Diagnosis, tuple[LeftOut, ...] | None]":
-    """Find out what a model lacks; with several releases also the error on each of what was found on the others.
-
-    `steps` gets each fit as it is counted, `progress` only the long steps.
-    """
-    from identify.diagnosis.diagnose import diagnose as diagnose_decays
-
-    chosen = model or base_model()
-    progress(f"trying {len(library) - len(chosen.terms)} effects")
-    found = diagnose_decays(decays, chosen, library=library, known=known, worth=worth, progress=steps)
-    if len(decays) < 2:
-        return found, None
-    progress("leaving one session out at a time")
-    return found, leave_one_out(found.final)
