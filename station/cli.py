@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     What a command imports is no garbage: looking for it there at every 700 objects would take a sixth of a second.
     """
-    from station.library_messages import say_in_one_line
+    from station.output import say_in_one_line
     from station.plain_letters import write_what_the_terminal_has
     from station.working_folder import import_nothing_from_it
 

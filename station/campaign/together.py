@@ -25,7 +25,7 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
-from station.text import campaign_table as table
+from station.text import campaign_text as table
 from station.text.numbers import or_nan
 
 AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"

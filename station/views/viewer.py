@@ -19,7 +19,14 @@ VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
 
-FILES = ("index.html", "re_viewer.js", "re_viewer_bg.wasm", "favicon.ico")
+FILES = {
+    "index.html": "text/html",
+    "re_viewer.js": "text/javascript",
+    "re_viewer_bg.wasm": "application/wasm",
+    "favicon.ico": "image/x-icon",
+}
+"""Those that a browser needs, with their media types."""
+
 OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
 """Fonts from elsewhere: a policy would block the sheet, but not the connection that is opened ahead."""
 

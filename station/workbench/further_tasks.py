@@ -88,7 +88,7 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     result, _ = identify_session(session, kept_options(session, settings))
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
-    if not (temporary / viewer.FILES[0]).is_file():
+    if not (temporary / "index.html").is_file():
         viewer.unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one
     recording, theme = quote(f"http://{host}/{place}", safe=""), "dark" if dark else "light"

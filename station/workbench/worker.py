@@ -13,7 +13,7 @@ from typing import Any
 from daq.errors import StationError
 from daq.session import finish_change
 from station.exits import sentence_of
-from station.library_messages import say_in_one_line
+from station.output import say_in_one_line
 from station.settings import Settings
 from station.story.pipeline import silent
 
