@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 
 from identify.diagnosis.verdict import HEADLINES
 from identify.formatting import DASH, among, plain_name, three_figures, with_error
@@ -11,6 +12,7 @@ from station.results.diagnosis_parts import FindingDocument, SharesDocument, Sus
 from station.results.documents import EstimateDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
+from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
 from station.text.numbers import scale, typeset, typeset_unit, with_names, with_unit
 
@@ -275,3 +277,16 @@ def _cell(found: EstimateDocument) -> str:
     decimals = min(max(-math.floor(math.log10(std)), 0) if std > 0.0 else most, most)
     up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals
     return f"{value:.{decimals}f} ± {up:.{decimals}f}"
+
+
+def next_command(document: DiagnosisDocument, folders: list[Path]) -> tuple[str | Path, ...]:
+    """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
+    if document.named and document.verdict in ("missing_effect", "sensor_fault"):
+        return ("refine", folders[0], "--add", document.named[0])
+    if document.verdict == "unknown_effect" and document.shape is not None and document.shape.coordinates:
+        return ("refine", folders[0], "--add", MEASURED_CURVE)
+    if document.verdict == "nothing_missing":
+        return ("report", folders[0])
+    if document.of_sessions:
+        return ("diagnose", folders[0])
+    return () if document.verdict == "not_enough_data" else ("diagnose", *folders, "ANOTHER_RELEASE")

@@ -1,6 +1,7 @@
 """The ladder in words: for each step the effect added, the residual and what changed; the noise comes last."""
 
 import math
+from pathlib import Path
 
 from identify.formatting import three_figures
 from station.results.ladder import KeptLadder, KeptStep
@@ -87,3 +88,11 @@ def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
     return {
         f"{effect}.{whole[0]}": with_unit(whole[1]) for effect, whole in found.items() if whole is not None
     }
+
+
+def next_command(ladder: KeptLadder, folder: Path) -> tuple[str | Path, ...]:
+    """Choose the command that comes next: without what is of no use, else on until the floor is reached."""
+    if f"--remove {ladder.top.added}" in ladder.stopped_because:
+        return ("refine", folder, "--remove", ladder.top.added)
+    on = ladder.verdict is None and not ladder.top.at_floor
+    return ("refine", folder, "--auto") if on else ("report", folder)
