@@ -40,7 +40,7 @@ def command(
         for picture in document["pictures"]:
             progress(f"picture:   {picture}")
     elif not no_viewer and viewer.has_screen():
-        viewer.open_viewer(file)
+        viewer.start(str(file), "--port", "auto")
         progress("the viewer is opening")
     elif not no_viewer:
         progress(f"no screen here: look at it elsewhere with `rerun {file}`, or take pictures with")

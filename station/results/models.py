@@ -110,7 +110,10 @@ def read_model_file(file: Path) -> ModelFile:
 
 def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return a model with its effects looked up; UsageProblem, beginning with `where`, when one does not fit."""
-    by_name = {effect.name: effect for effect in library} | _expressions(model, where)
+    try:
+        by_name = {e.name: e for e in (*library, *map(parsed_effect, model.expressions))}
+    except ValueError as error:
+        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
     terms: list[Term] = []
     values: dict[str, float] = {}
     for entry in model.effects:
@@ -126,13 +129,6 @@ def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBR
         terms.append(term)
         values |= _values(entry, term, where)
     return KnownModel(Model(tuple(terms)), values=values, expressions=model.expressions)
-
-
-def _expressions(model: ModelFile, where: str) -> dict[str, Effect]:
-    try:
-        return {effect.name: effect for effect in map(parsed_effect, model.expressions)}
-    except ValueError as error:
-        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
 
 
 @lru_cache(maxsize=64)

@@ -29,7 +29,12 @@ def find_session(name: str, sessions: Path) -> Path | None:
     whole = [folder for folder in found if folder.name[len(name)] in WORD_ENDS]
     candidates = whole or found
     if len(candidates) > 1:
-        raise UsageProblem(_ambiguous(name, candidates))
+        newest = [folder.name for folder in reversed(candidates)][:MOST_LISTED]
+        more = len(candidates) - len(newest)
+        names = ", ".join(newest) + (f" and {more} more" if more else "")
+        raise UsageProblem(
+            f"{name}: {len(candidates)} sessions begin so: {names}; type more of the name, or `{LAST}`"
+        )
     return candidates[0] if candidates else None
 
 
@@ -59,10 +64,3 @@ def _no_such(argument: str, sessions: Path, what: str) -> UsageProblem:
     return UsageProblem(
         f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
     )
-
-
-def _ambiguous(name: str, candidates: list[Path]) -> str:
-    newest = [folder.name for folder in reversed(candidates)][:MOST_LISTED]
-    more = len(candidates) - len(newest)
-    names = ", ".join(newest) + (f" and {more} more" if more else "")
-    return f"{name}: {len(candidates)} sessions begin so: {names}; type more of the name, or `{LAST}`"

@@ -44,23 +44,18 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     brief: list[Part] = []
     if document.noise_floor is not None:
         brief.append(residuals(document, MOST_SUSPECTS if full else few, full=full))
-    first = "" if named or full else _first_sentence(document.explanation)
+    first, stop, _ = typeset(document.explanation).partition(". ")
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
     record = [] if named else [("record next", document.next_experiment)]
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
-    brief += [Paragraph(first)] if first else []
+    brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
     rest = [("record next", document.next_experiment)] if named else []
     more += facts((*_facts(document), *sensor[1:], *mend, *rest))
     return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
-
-
-def _first_sentence(text: str) -> str:
-    head, stop, _ = typeset(text).partition(". ")
-    return head + stop.strip()
 
 
 def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: bool = False) -> Table:

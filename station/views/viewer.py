@@ -50,7 +50,7 @@ def executable() -> str:
 
 
 def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Popen[bytes]":
-    """Start a viewer as a process of its own, listening on 127.0.0.1 only; `more` joins its environment."""
+    """Start a viewer as a process that outlives this one, listening on 127.0.0.1 only; `more` joins its environment."""
     return subprocess.Popen(
         [executable(), *arguments, "--bind", HOST],
         stdin=subprocess.DEVNULL,
@@ -59,11 +59,6 @@ def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Po
         start_new_session=True,
         env=os.environ | {"RUST_LOG": "error"} | (more or {}),
     )
-
-
-def open_viewer(file: Path) -> None:
-    """Open a recording in a viewer that outlives this command."""
-    start(str(file), "--port", "auto")
 
 
 def free_port() -> int:
