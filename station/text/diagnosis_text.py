@@ -10,7 +10,7 @@ from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument
 from station.results.documents import EstimateDocument
-from station.story.engineering_values import Weighing
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
@@ -35,7 +35,7 @@ def tone_of(document: DiagnosisDocument) -> Tone:
     return TONES.get(document.verdict, "bad")
 
 
-def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full: bool = False) -> Told:
+def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: bool = False) -> Told:
     """Tell a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too.
 
     `full` puts all suspects into the table, with the reason for each.
@@ -150,18 +150,14 @@ def parameters(found: SuspectDocument | FindingDocument) -> str:
     return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
 
 
-def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
+def _values(document: DiagnosisDocument, weighing: Weighing) -> str:
     """Write the values of what is named; the strength in N, kg and s where the mass is known."""
     texts = []
     for suspect in document.suspects:
         if suspect.effect not in document.named:
             continue
         text = parameters(suspect)
-        if (
-            weighing
-            and suspect.strength_known
-            and (whole := weighing.strength(suspect.effect, suspect.parameters))
-        ):
+        if suspect.strength_known and (whole := weighing.strength(suspect.effect, suspect.parameters)):
             text += f" ({whole[0]} times the mass: {with_unit(whole[1])})"
         texts.append(f"{plain_name(suspect.effect)}: {text}" if len(document.named) > 1 else text)
     return "; ".join(texts)

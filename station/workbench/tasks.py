@@ -59,7 +59,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,
-        {} if weighing is None else with_mass(ladder.top, weighing),
+        with_mass(ladder.top, weighing),
         session.info.specimen.startswith("mystery "),
     )
 
