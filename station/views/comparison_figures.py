@@ -1,7 +1,6 @@
 """Where a model fails, in figures: measurement and model, the phase plane, cycle by cycle."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +9,8 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 NOISE = 2.0
 SURE = 3.0
@@ -22,7 +18,7 @@ COARSE = 5000.0
 TOO_MANY_DOTS = 60
 
 
-def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
+def measured_and_model(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     """Draw one channel as it was measured, and the model run freely."""
     window = fit.windows[0]
     factor, name = scale(channel, window.unit)
@@ -37,7 +33,7 @@ def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None
     axis.margins(y=0.16)
 
 
-def residual(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
+def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     window = fit.windows[0]
     left = np.where(window.used[channel], fit.residual(channel), np.nan)
@@ -104,7 +100,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
 
 
 def _section(
-    axis: "Axes",
+    axis: Axes,
     cut: ForceSection,
     factor: float,
     units: DiscrepancyText,
