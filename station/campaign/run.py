@@ -15,6 +15,7 @@ from station.campaign.work import Work
 from station.campaign.workers import performed
 from station.results.campaign_document import SessionResult
 from station.results.documents import LARGEST, RefusedSession
+from station.story.pipeline import silent
 
 SESSIONS = "sessions"
 LONGEST_NAME = 80
@@ -36,16 +37,12 @@ class Run:
     work_s: float = 0.0
 
 
-def unwatched(name: str, reason: str) -> None:
-    """Say nothing of a session: the table has it."""
-
-
 def run_campaign(
     sources: tuple[SessionSummary, ...],
     request: Request,
     folder: Path,
     workers: int,
-    watch: Watch = unwatched,
+    watch: Watch = silent,
 ) -> Run:
     """Bring the results of all sources up to date; each is kept in `folder` the moment it is there.
 

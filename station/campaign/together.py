@@ -13,7 +13,7 @@ from daq.storage import write_whole
 from identify.arrays import Array
 from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
-from station.campaign.run import Run, Watch, run_campaign, unwatched
+from station.campaign.run import Run, Watch, run_campaign
 from station.campaign.sources import Request
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
@@ -25,6 +25,7 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
+from station.story.pipeline import silent
 from station.text import campaign_text as table
 from station.text.numbers import or_nan
 
@@ -48,7 +49,7 @@ def campaign(
     request: Request,
     folder: Path,
     workers: int,
-    watch: Watch = unwatched,
+    watch: Watch = silent,
     metadata: dict[str, Known] | None = None,
 ) -> CampaignDocument:
     """Bring the results of all sources up to date, and keep what they say together; arguments as `run_campaign`."""

@@ -42,7 +42,7 @@ _ROUNDS = 4
 DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
 
 
-def silent(text: str) -> None:
+def silent(*said: object) -> None:
     """Report no progress."""
 
 
