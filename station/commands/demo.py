@@ -69,11 +69,11 @@ def command(
 
 def _guided(settings: Settings, seed: int, speed: float, folder: Path | None, as_json: bool) -> None:
     """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
-    from station.commands.guide import show_guided
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
     from station.operations.mystery import BOARD, hidden_words
     from station.operations.new_session import new_folder
     from station.operations.simulated_board import on_simulated, simulated_capture
+    from station.report.guided import show_guided
     from station.text.layout import labelled
 
     wanted = simulated_capture(settings, f"mystery {seed}", speed)

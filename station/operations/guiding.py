@@ -16,7 +16,9 @@ from identify.diagnosis.guidance import Guidance, first_release, guidance, what_
 from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
 from station.operations.diagnosing import keep
+from station.operations.new_session import metres
 from station.operations.provisional import Provisional
 from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
@@ -117,6 +119,19 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
     return _keep(test, turns, told)
+
+
+def limits_of(text: str, unattended: bool = False) -> Limits:
+    """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
+    lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
+    if len(lengths) <= text.count(","):
+        raise UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
+    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
+        raise UsageProblem(
+            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
+        )
+    ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
+    return Limits(lengths[0], lengths[1], ways=ways)
 
 
 def _record(
