@@ -82,6 +82,13 @@ def is_folder_of_files(argument: str) -> bool:
     return any(entry.is_file() and not entry.name.startswith(".") for entry in folder.iterdir())
 
 
+def default_folder(arguments: tuple[str, ...], settings: Settings) -> Path:
+    """Find where a campaign is kept: in the folder of sessions, when there is only one, else in the settings'."""
+    if len(arguments) == 1 and is_folder_of_sessions(arguments[0]):
+        return Path(arguments[0]) / FOLDER
+    return settings.sessions / FOLDER
+
+
 def _sources(argument: str, settings: Settings) -> tuple[SessionSummary, ...]:
     if is_folder_of_sessions(argument):
         return list_sessions(argument)

@@ -54,13 +54,7 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
-    from station.campaign.sources import (
-        FOLDER,
-        Request,
-        find_sources,
-        is_folder_of_files,
-        is_folder_of_sessions,
-    )
+    from station.campaign.sources import FOLDER, Request, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
     from station.campaign.workers import cores
     from station.exits import Answered
@@ -76,9 +70,7 @@ def command(
         sessions = tuple(map(str, folders))
         kept = output or place / FOLDER
     else:
-        alone = len(sessions) == 1 and is_folder_of_sessions(sessions[0])
-        place = Path(sessions[0]) if alone else settings.sessions
-        given, kept = sessions, output or place / FOLDER
+        given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
     known = _of_sessions(known, sources, metadata)
     request = Request(settings, gain_percent, diagnose)
