@@ -28,7 +28,7 @@ def mystery(folder: Path) -> Solved:
 
 def block(solved: Solved) -> str:
     """Return what stands between the markers: the figures in words, the commands, and the ladder."""
-    named, (first, *_, last) = solved.found[0], solved.ladder.steps
+    named, (first, *_, last) = solved.diagnosis.named[0], solved.ladder.steps
     words = (
         f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion,\n"
         f"which is {times(first.error.chi2)} times the noise of the sensors (`station compare mystery_{SEED} --model usual`).\n"

@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     What a command imports is no garbage: looking for it there at every 700 objects would take a sixth of a second.
     """
-    from station.library_messages import say_in_one_line
+    from station.output import say_in_one_line
     from station.plain_letters import write_what_the_terminal_has
     from station.working_folder import import_nothing_from_it
 
@@ -132,17 +132,7 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt as error:
         return _failed(error, exits.INTERRUPTED, _interrupted(error), arguments)
     except Exception as error:
-        return _failed(error, exits.code_of(error), _sentence(error), arguments)
-
-
-def _sentence(error: Exception) -> str:
-    if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.Problem):
-        return _kept(" ".join(str(error).split()) or type(error).__name__, error)
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return (
-        f"a fault of this program ({type(error).__name__}: {' '.join(str(error).split())}; {place.name}, line "
-        f"{place.lineno}); nothing recorded is lost; run `station --debug ...` again and report what it prints"
-    )
+        return _failed(error, exits.code_of(error), _kept(error), arguments)
 
 
 def _interrupted(error: BaseException) -> str:
@@ -152,13 +142,14 @@ def _interrupted(error: BaseException) -> str:
         return str(error)
     if folder is None:
         return "interrupted; no result was kept, and the recordings are as they were"
-    from station.text.next_step import command_line
+    from station.output import command_line
 
     return f"interrupted; what was received is kept in {folder} (look at it: {command_line('info', folder)})"
 
 
-def _kept(sentence: str, error: BaseException) -> str:
-    """Add where the data are, when an error of the acquisition left some."""
+def _kept(error: Exception) -> str:
+    """Write an error as a sentence, with where the data are when one of the acquisition left some."""
+    sentence = exits.sentence_of(error, "; run `station --debug ...` again and report what it prints")
     folder = getattr(error, "session", None)
     return sentence if folder is None or str(folder) in sentence else f"{sentence} (kept: {folder})"
 

@@ -1,5 +1,7 @@
 """Exit codes: how a command ended, for the shell and for scripts."""
 
+import traceback
+
 DONE = 0
 UNEXPECTED = 1
 USAGE = 2
@@ -53,6 +55,16 @@ class Answered(Problem):
     def __init__(self, sentence: str, exit_code: int = NOT_IDENTIFIABLE) -> None:
         super().__init__(sentence)
         self.exit_code = exit_code
+
+
+def sentence_of(error: BaseException, advice: str = "") -> str:
+    """Write an error as a sentence in one line; a fault of the program with its place and what to do."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    if code_of(error) != UNEXPECTED or isinstance(error, Problem):
+        return text
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    what = f"{type(error).__name__}: {' '.join(str(error).split())}; {place.name}, line {place.lineno}"
+    return f"a fault of this program ({what}); nothing recorded is lost{advice}"
 
 
 def code_of(error: BaseException) -> int:

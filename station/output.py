@@ -1,6 +1,11 @@
 """What a command prints: one JSON object on stdout when asked, progress and errors on stderr."""
 
+import logging
+import shlex
 import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -9,6 +14,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 WIDTH = 80
+LONGEST = 300
+"""Letters of a warning, or of a log entry, of a library: each becomes one harmless line, without paths and tracebacks."""
+
 #: Control characters that JSON leaves as they are, and that a terminal would obey.
 ESCAPED = {code: f"\\u{code:04x}" for code in range(0x7F, 0xA0)}
 
@@ -37,6 +45,43 @@ def screen() -> "Console":
     return console if console.is_terminal else SafeConsole(highlight=False, width=WIDTH)
 
 
+def command_line(*words: str | Path) -> str:
+    """Return a command of the station as it is typed: `station` and the words, quoted where a shell would part them."""
+    return f"station {shlex.join(str(word) for word in words)}"
+
+
+def next_line(*words: str | Path) -> str:
+    """Return the last line of a command's output, which says what to run next."""
+    return f" next: {command_line(*words)}"
+
+
 def say(line: str) -> None:
     """Print a line on stdout as it is, neither folded nor read as markup: what is in it can be copied."""
     screen().print(line, markup=False, soft_wrap=True)
+
+
+class OneLine(logging.Handler):
+    """Says a log entry in one line, whatever traceback comes with it."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        super().__init__()
+        self._say = say
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Say it."""
+        error = record.exc_info[1] if record.exc_info else None
+        words = " ".join(record.getMessage().split())
+        kind = "" if error is None or type(error).__name__ in words else f"{type(error).__name__}: "
+        self._say(f"{record.name}: {kind}{words[:LONGEST]}")
+
+
+def say_in_one_line(say: Callable[[str], None] = progress) -> None:
+    """From now on let this process say warnings and log entries so."""
+
+    def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+        if issubclass(category, RuntimeWarning):  # of arithmetic: what comes of it is judged where it is used
+            return
+        say(f"{category.__name__}: {' '.join(str(message).split())[:LONGEST]}")
+
+    warnings.showwarning = show
+    logging.basicConfig(handlers=[OneLine(say)], level=logging.WARNING, force=True)

@@ -1,6 +1,7 @@
 """Settings: what the operator writes once in station.toml and overrides by options."""
 
 import tomllib
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Annotated
 
@@ -86,3 +87,11 @@ def load_settings(file: str | Path | None) -> Settings:
         sections = (Settings, Specimen, Capture, Identify)
         known = tuple(name for section in sections for name in section.model_fields)
         raise UsageProblem(f"the settings {path}: {refusal(error, known)}") from error
+
+
+def version_of(package: str, missing: str) -> str:
+    """Return the version of a package; `missing` where it runs without being installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return missing

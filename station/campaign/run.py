@@ -13,8 +13,9 @@ from daq.storage import read_regular, refused, write_whole
 from station.campaign.sources import Request, work_on
 from station.campaign.work import Work
 from station.campaign.workers import performed
-from station.results.campaign_document import FailedSession, SessionResult
-from station.results.documents import LARGEST
+from station.results.campaign_document import SessionResult
+from station.results.documents import LARGEST, RefusedSession
+from station.story.pipeline import silent
 
 SESSIONS = "sessions"
 LONGEST_NAME = 80
@@ -28,7 +29,7 @@ class Run:
     """The result of a run: each source with its result, those without one, and the time that it took."""
 
     results: list[tuple[SessionSummary, SessionResult]] = field(default_factory=list)
-    failed: list[FailedSession] = field(default_factory=list)
+    failed: list[RefusedSession] = field(default_factory=list)
     done: int = 0
     kept: int = 0
     workers: int = 0
@@ -36,16 +37,12 @@ class Run:
     work_s: float = 0.0
 
 
-def unwatched(name: str, reason: str) -> None:
-    """Say nothing of a session: the table has it."""
-
-
 def run_campaign(
     sources: tuple[SessionSummary, ...],
     request: Request,
     folder: Path,
     workers: int,
-    watch: Watch = unwatched,
+    watch: Watch = silent,
 ) -> Run:
     """Bring the results of all sources up to date; each is kept in `folder` the moment it is there.
 
@@ -57,7 +54,7 @@ def run_campaign(
     def take(source: SessionSummary, result: SessionResult | str) -> None:
         reason = result if isinstance(result, str) else result.reason
         if isinstance(result, str) or reason:
-            run.failed.append(FailedSession(session=source.folder.name, reason=reason))
+            run.failed.append(RefusedSession(session=source.folder.name, reason=reason))
         else:
             run.results.append((source, result))
         watch(source.folder.name, reason)

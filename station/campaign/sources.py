@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from daq.errors import StationError
@@ -14,7 +13,7 @@ from daq.storage import read_regular
 from station.campaign.work import Work
 from station.exits import UsageProblem
 from station.results.sessions import open_session
-from station.settings import Settings
+from station.settings import Settings, version_of
 from station.story.preparation import options_for
 
 LARGEST = 1 << 30
@@ -47,18 +46,11 @@ def work_on(folder: Path, request: Request) -> Work:
         "rate_std_hz": session.info.rate_std_hz,
         "options": asdict(options),
         "settings": {"gain_percent": gain, "diagnose": diagnose},
-        "program": _program(),
+        "program": version_of(DISTRIBUTION, ""),
     }
     checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
     checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
     return Work(folder, checksum.hexdigest(), options, gain, diagnose)
-
-
-def _program() -> str:
-    try:
-        return version(DISTRIBUTION)
-    except PackageNotFoundError:  # it runs without being installed
-        return ""
 
 
 def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[SessionSummary, ...]:

@@ -4,17 +4,16 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.session import SessionSummary
 from daq.storage import write_whole
+from identify.arrays import Array
 from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
-from station.campaign.run import Run, Watch, run_campaign, unwatched
+from station.campaign.run import Run, Watch, run_campaign
 from station.campaign.sources import Request
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
@@ -26,10 +25,9 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
-from station.text import campaign_table as table
+from station.story.pipeline import silent
+from station.text import campaign_text as table
 from station.text.numbers import or_nan
-
-Array = NDArray[np.float64]
 
 AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
@@ -51,7 +49,7 @@ def campaign(
     request: Request,
     folder: Path,
     workers: int,
-    watch: Watch = unwatched,
+    watch: Watch = silent,
     metadata: dict[str, Known] | None = None,
 ) -> CampaignDocument:
     """Bring the results of all sources up to date, and keep what they say together; arguments as `run_campaign`."""
@@ -73,7 +71,7 @@ def campaign_document(
             _row(source, result, (metadata or {}).get(source.folder.name, Known()))
             for source, result in run.results
         ),
-        key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
+        key=lambda row: (row.made.timestamp(), row.result.session),
     )
     parameters = parameter_series(rows)
     named = Counter(name for row in rows for name in row.result.named)
@@ -93,14 +91,10 @@ def campaign_document(
 
 
 def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
-    info = source.info
-    conditions: dict[str, float] = {}
-    if info is not None:
-        conditions = dict(info.conditions)
-        if info.mass_kg is not None:
-            conditions = {"mass [kg]": info.mass_kg} | conditions
-    made: datetime | None = known.date or (info.created if info is not None else None)
-    return CampaignRow(made=made, conditions=conditions | known.conditions, result=result)
+    assert source.info is not None  # it has a result
+    mass = {} if source.info.mass_kg is None else {"mass [kg]": source.info.mass_kg}
+    conditions = mass | source.info.conditions | known.conditions
+    return CampaignRow(made=known.date or source.info.created, conditions=conditions, result=result)
 
 
 def parameter_series(rows: list[CampaignRow]) -> list[Series]:
@@ -125,7 +119,7 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
     for unit in dict.fromkeys(row.result.unit for row in rows):
         values = [or_nan(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
         found.append((AMPLITUDE, unit, values))
-    dates = [row.made.timestamp() / DAY if row.made else math.nan for row in rows]
+    dates = [row.made.timestamp() / DAY for row in rows]
     found.append((DATE, "day", dates))
     for key in dict.fromkeys(key for row in rows for key in row.conditions):
         parts = NAME_AND_UNIT.fullmatch(key)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-Array = NDArray[np.float64]
+from identify.arrays import Array
 
 FEWEST = 5
 FEWEST_PLACES = 3

@@ -16,7 +16,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.campaign_document import SessionResult
 from station.results.identification_document import amplitude
 from station.story.identification import Identification
-from station.story.pipeline import diagnose, identify
+from station.story.pipeline import identify
 from station.story.preparation import Options, locate, prepare_recording
 
 
@@ -101,7 +101,9 @@ def fit_content(baseline: Baseline) -> dict[str, Any]:
 
 
 def _diagnosed(prepared: PreparedDecay) -> dict[str, Any]:
-    found, _ = diagnose((prepared,))
+    from identify.diagnosis.diagnose import diagnose
+
+    found = diagnose(prepared)
     content = fit_content(found.baseline)
     if found.named:
         final = fit_content(replace(found.baseline, fit=found.final))

@@ -10,7 +10,7 @@ from concurrent.futures.process import BrokenProcessPool
 from itertools import islice
 
 from station.campaign.work import Work, perform
-from station.library_messages import say_in_one_line
+from station.output import say_in_one_line
 from station.results.campaign_document import SessionResult
 
 AHEAD = 2

@@ -32,10 +32,11 @@ def asked(file: Path, options: ImportOptions) -> Recipe:
         text = to_toml(look.read().recipe)
     except Doubtful as refusal:
         remark, text = f"{refusal}\n{remark}", to_toml(refusal.proposal.recipe)
-    text = (
-        _commented(f"Roles: {', '.join(ROLES)}.\nThe columns and their first numbers:\n{_columns(look)}")
-        + text
-    )
+    head = [f"Roles: {', '.join(ROLES)}.", "The columns and their first numbers:"]
+    for column in look.table.columns:
+        numbers = ", ".join(f"{value:.5g}" for value in column.values[:FIRST_ROWS])
+        head.append(f"{column.number:>3} {column.label}: {numbers}")
+    text = _commented("\n".join(head)) + text
     with TemporaryDirectory() as folder:
         place = Path(folder) / RECIPE
         while True:
@@ -50,14 +51,6 @@ def asked(file: Path, options: ImportOptions) -> Recipe:
                 return recipe
             except ImportProblem as refusal:
                 remark = str(refusal)
-
-
-def _columns(look: Look) -> str:
-    lines = []
-    for column in look.table.columns:
-        numbers = ", ".join(f"{value:.5g}" for value in column.values[:FIRST_ROWS])
-        lines.append(f"{column.number:>3} {column.label}: {numbers}")
-    return "\n".join(lines)
 
 
 def _commented(text: str) -> str:

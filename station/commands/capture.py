@@ -21,13 +21,13 @@ from station.commands.options import (
 )
 from station.output import progress
 from station.settings import Settings
+from station.text.content import Part
 
 MOST_TAKES = 3
 KEPT_BEFORE = click.FloatRange(0.5, 60)
 
 if TYPE_CHECKING:
     from daq.session import Session
-    from station.text.content import Part
 
 
 HOW = RELEASE | {
@@ -122,7 +122,7 @@ def finish(
     url: str | None,
     settings: Settings,
     as_json: bool,
-    note: "tuple[Part, ...]" = (),
+    note: tuple[Part, ...] = (),
     **more: Any,
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""

@@ -2,16 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
 from station.output import print_json, screen
 from station.settings import Settings
-
-if TYPE_CHECKING:
-    from station.text.content import Part
+from station.text.content import Paragraph
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -71,11 +69,11 @@ def command(
 
 def _guided(settings: Settings, seed: int, speed: float, folder: Path | None, as_json: bool) -> None:
     """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
-    from station.commands.guide import show_guided
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
     from station.operations.mystery import BOARD, hidden_words
     from station.operations.new_session import new_folder
     from station.operations.simulated_board import on_simulated, simulated_capture
+    from station.report.guided import show_guided
     from station.text.layout import labelled
 
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
@@ -107,9 +105,7 @@ def _list(as_json: bool) -> None:
     click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
 
 
-def _made_of(truth: dict[str, Any]) -> "Part":
-    from station.text.content import Paragraph
-
+def _made_of(truth: dict[str, Any]) -> Paragraph:
     return Paragraph(
         f"K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s, "
         f"lag {truth['displacement_late_s'] * 1e6:.1f} us",

@@ -1,7 +1,6 @@
 """`station diagnose`: which effect a model lacks, how sure that is, and what to record next."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -9,12 +8,6 @@ from station.commands.options import EFFECTS, FULL, GAIN, JSON, MODEL, SESSIONS,
 from station.exits import Answered
 from station.output import print_json, progress
 from station.settings import Settings
-from station.suggestions import MEASURED_CURVE
-
-if TYPE_CHECKING:
-    from station.results.diagnosis_document import DiagnosisDocument
-
-ANOTHER = "ANOTHER_RELEASE"
 
 
 @declared("diagnose")
@@ -50,7 +43,7 @@ def command(
     from station.operations.session_set import declared, open_sessions
     from station.results.diagnosis_document import refused_document
     from station.story.preparation import weighing_of
-    from station.text.diagnosis_text import told
+    from station.text.diagnosis_text import next_command, told
     from station.text.layout import answer
 
     try:
@@ -68,19 +61,6 @@ def command(
     weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
     words = told(document, weighing, full=full)
     folders = [session.folder for session in opened.sessions]
-    answer(as_json, document.plain(), words, *next_step(folders, document), full=full)
+    answer(as_json, document.plain(), words, *next_command(document, folders), full=full)
     if document.verdict == "not_enough_data":
         raise Answered(f"not enough data: {document.explanation}")
-
-
-def next_step(folders: "list[Path]", document: "DiagnosisDocument") -> tuple[str | Path, ...]:
-    """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
-    if document.named and document.verdict in ("missing_effect", "sensor_fault"):
-        return ("refine", folders[0], "--add", document.named[0])
-    if document.verdict == "unknown_effect" and document.shape is not None and document.shape.coordinates:
-        return ("refine", folders[0], "--add", MEASURED_CURVE)
-    if document.verdict == "nothing_missing":
-        return ("report", folders[0])
-    if document.of_sessions:
-        return ("diagnose", folders[0])
-    return () if document.verdict == "not_enough_data" else ("diagnose", *folders, ANOTHER)

@@ -1,17 +1,15 @@
 """`station doctor`: is everything ready for a capture, and if not, what to do."""
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import click
 
 from station import exits
 from station.commands.options import JSON, declared, option
-from station.output import print_json, say, screen
+from station.output import next_line, print_json, say, screen
 from station.settings import Settings
 
-if TYPE_CHECKING:
-    from station.operations.doctor import Finding
+COLOURS = {"PASS": "green", "WARN": "yellow", "FAIL": "red"}
 
 
 @declared("doctor")
@@ -29,40 +27,29 @@ def command(
 
     Ends with 0 unless a check FAILs, with 3 then.
     """
+    from rich.table import Table
+    from rich.text import Text
+
     from station.operations.doctor import examine
 
     findings = list(examine(port or settings.capture.port, settings.sessions, settings.capture.rate, seconds))
     failed = any(finding.grade == "FAIL" for finding in findings)
     if as_json:
         print_json({"ok": not failed, "findings": [asdict(finding) for finding in findings]})
-    else:
-        _print(findings)
-        say(_next(findings, port, failed=failed))
-    return exits.NO_BOARD if failed else exits.DONE
-
-
-def _next(findings: list["Finding"], port: str | None, *, failed: bool) -> str:
-    """Return the command that comes next: a capture where a board answered, the same check once a fault is mended."""
-    from station.text.next_step import next_line
-
-    at = () if port is None else ("--port", port)
-    if failed:
-        return f"{next_line('doctor', *at)} (once what failed is mended)"
-    if any(finding.check == "handshake" for finding in findings):
-        return next_line("capture", *at)
-    return f"{next_line('demo')} (no board is needed for it)"
-
-
-def _print(findings: list["Finding"]) -> None:
-    from rich.table import Table
-    from rich.text import Text
-
-    colours = {"PASS": "green", "WARN": "yellow", "FAIL": "red"}
+        return exits.NO_BOARD if failed else exits.DONE
     table = Table.grid(padding=(0, 1))
     for finding in findings:
         text = finding.found
         if finding.remedy and finding.grade != "PASS":
             text += f"\n-> {finding.remedy}"
-        grade = Text(finding.grade.value, style=colours[finding.grade.value])
+        grade = Text(finding.grade.value, style=COLOURS[finding.grade.value])
         table.add_row(grade, Text(finding.check), Text(text))
     screen().print(table)
+    at = () if port is None else ("--port", port)
+    if failed:  # the same check, once a fault is mended
+        say(f"{next_line('doctor', *at)} (once what failed is mended)")
+    elif any(finding.check == "handshake" for finding in findings):
+        say(next_line("capture", *at))
+    else:
+        say(f"{next_line('demo')} (no board is needed for it)")
+    return exits.NO_BOARD if failed else exits.DONE

@@ -2,8 +2,7 @@
 
 from station.commands.options import JSON, argument, declared, known_effect
 from station.exits import UsageProblem
-from station.output import print_json, say, screen
-from station.text.next_step import next_line
+from station.output import next_line, print_json, say, screen
 
 
 @declared("effects")

@@ -2,19 +2,14 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from station import exits
 from station.commands.options import JSON, RELEASE, declared, new_session_option, option
-from station.output import print_json, progress, screen
+from station.output import print_json
 from station.settings import Settings
-
-if TYPE_CHECKING:
-    from identify.diagnosis.next_release import Limits
-    from station.operations.guiding import GuidedTest
-    from station.results.guide_document import GuideDocument
 
 
 @declared("guide", RELEASE)
@@ -39,48 +34,19 @@ def command(
     form one campaign with one report.
     """
     from daq.ports import choose_port
-    from station.operations.guiding import GuidedTest
+    from station.operations.guiding import GuidedTest, limits_of
     from station.operations.new_session import new_folder, wanted_capture
 
     chosen = limits_of(limits if limits is not None else _asked(), unattended)
     wanted = wanted_capture(settings, given)
     named = choose_port(port or settings.capture.port)
     place = folder or new_folder(settings.sessions, "guide")
+    from station.report.guided import show_guided
+
     document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)
     if as_json:
         print_json(document.plain())
     return exits.DONE
-
-
-def show_guided(test: "GuidedTest", as_json: bool) -> "GuideDocument":
-    """Run a guided test on the screen (on stderr where JSON is wanted); return its document."""
-    from station.operations.guiding import guide
-    from station.report.guided import finish
-    from station.safe_text import SafeConsole
-    from station.text.guide_text import GuideScreen, show_guide
-
-    console = SafeConsole(stderr=True, highlight=False) if as_json else screen()
-    document = guide(test, GuideScreen(console, alone=test.alone))
-    progress("writing the report")
-    document = finish(test, document)
-    show_guide(console, document)
-    return document
-
-
-def limits_of(text: str, unattended: bool = False) -> "Limits":
-    """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
-    from identify.diagnosis.next_release import Limits
-    from station.operations.new_session import metres
-
-    lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
-    if len(lengths) <= text.count(","):
-        raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
-    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
-        raise exits.UsageProblem(
-            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
-        )
-    ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
-    return Limits(lengths[0], lengths[1], ways=ways)
 
 
 def _asked() -> str:

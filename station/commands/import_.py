@@ -24,10 +24,10 @@ from station.commands.options import (
 )
 from station.exits import UsageProblem
 from station.settings import Settings
+from station.text.content import Told, facts
 
 if TYPE_CHECKING:
     from station.results.sessions import Imported
-    from station.text.content import Told
 
 
 COUNT = click.IntRange(min=0)
@@ -136,9 +136,8 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
     }
 
 
-def _told(file: Path, imported: "Imported") -> "Told":
+def _told(file: Path, imported: "Imported") -> Told:
     from daq.session_reading import RECIPE
-    from station.text.content import Told, facts
 
     rows = []
     for recording in imported.recordings:

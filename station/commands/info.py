@@ -47,7 +47,10 @@ def command(
         "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
     }
     words = Told(str(opened.folder), "", facts(_rows(document, recording.rate, model)))
-    answer(as_json, document, words, _next(document["results"]), opened.folder)
+    steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
+    missing = [command for name, command in steps.items() if name not in document["results"]]
+    step = "report" if "ladder.json" in document["results"] or not missing else missing[0]
+    answer(as_json, document, words, step, opened.folder)
 
 
 def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, str]]:
@@ -70,10 +73,3 @@ def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, 
         *(("flagged", line) for line in flagged_lines(document["flags"], rate)),
         *(("note", note) for note in document["notes"]),
     ]
-
-
-def _next(results: list[str]) -> str:
-    """Return the first command whose result the session does not hold."""
-    steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
-    missing = (command for name, command in steps.items() if name not in results)
-    return "report" if "ladder.json" in results else next(missing, "report")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from station.commands.options import JSON, argument, declared
 from station.settings import Settings
+from station.text.content import Table, Told
 
 if TYPE_CHECKING:
     from daq.session import SessionSummary
@@ -17,7 +18,6 @@ def command(settings: Settings, folder: Path | None = argument(required=False), 
     """List the sessions in FOLDER (default: ./sessions), oldest first."""
     from daq.session import list_sessions
     from station.exits import UsageProblem
-    from station.text.content import Table, Told
     from station.text.layout import answer
 
     place = folder or settings.sessions

@@ -88,12 +88,12 @@ def existing(
     """
 
     def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
-        from station.results.session_names import refuse_unknown
+        from station.results.session_names import session_folder
 
         sessions = load_settings(context.obj).sessions
         for name in (value,) if isinstance(value, str) else value:
             if not (or_all and name == str(sessions)):
-                refuse_unknown(name, sessions, what)
+                session_folder(name, sessions, what)
         return value
 
     return check

@@ -3,8 +3,7 @@
 from typing import Any
 
 from station.commands.options import JSON, argument, declared
-from station.output import print_json, say, screen
-from station.text.next_step import next_line
+from station.output import next_line, print_json, say, screen
 
 
 @declared("ports")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from station.commands.options import BAUD, COLUMNS, JSON, POSITIVE, UNITS, argument, declared, option
-from station.output import print_json, progress, screen
+from station.output import next_line, print_json, progress, screen
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -33,7 +33,6 @@ def command(
     from daq.sources.open_source import LineOptions, open_bytes
     from daq.sources.profiles import profile_file, save_profile
     from station.operations.line_boards import profiles_of
-    from station.text.next_step import next_line
 
     console = screen()
     if name is not None:

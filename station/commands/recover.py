@@ -4,9 +4,8 @@ from typing import Any
 
 from station.commands.options import JSON, argument, declared
 from station.exits import Answered, code_of
-from station.output import print_json, say, screen
+from station.output import next_line, print_json, say, screen
 from station.settings import Settings
-from station.text.next_step import next_line
 
 
 @declared("recover")
@@ -40,29 +39,22 @@ def command(
         told = [{"session": str(folder), "message": str(error)} for folder, error in problems]
         print_json({"sessions": entries, "problems": told})
     else:
-        _show(entries, problems)
+        if not folders:
+            say("nothing to recover: every session is whole")
+        for entry in entries:
+            say(f"{entry['session']}: {entry['state']}, {entry['samples']} samples")
+            if entry["completed"]:
+                changed = ", ".join(entry["completed"])
+                screen().print(f"  a change was cut off and is complete now: {changed}", markup=False)
+            if entry["reason"]:
+                screen().print(f"  {entry['reason']}", markup=False)
+        for folder, problem in problems:
+            say(f"{folder}: NOT recovered: {problem}")
+        say(next_line(*(("identify", entries[0]["session"]) if entries else ("list",))))
     if problems:
         raise Answered(
             f"{len(problems)} of {len(folders)} sessions could not be recovered", code_of(problems[0][1])
         )
-
-
-def _show(entries: list[dict[str, Any]], problems: list[tuple[Any, Any]]) -> None:
-    console = screen()
-    if not entries and not problems:
-        console.print("nothing to recover: every session is whole", markup=False)
-    for entry in entries:
-        say(f"{entry['session']}: {entry['state']}, {entry['samples']} samples")
-        if entry["completed"]:
-            console.print(
-                f"  a change was cut off and is complete now: {', '.join(entry['completed'])}", markup=False
-            )
-        if entry["reason"]:
-            console.print(f"  {entry['reason']}", markup=False)
-    for folder, error in problems:
-        say(f"{folder}: NOT recovered: {error}")
-    following = ("identify", entries[0]["session"]) if entries else ("list",)
-    say(next_line(*following))
 
 
 def _entry(session: Any) -> dict[str, Any]:

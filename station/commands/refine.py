@@ -1,7 +1,6 @@
 """`station refine`: the next model of a session, and the ladder of errors that led to it."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -19,10 +18,6 @@ from station.commands.options import (
 from station.exits import UsageProblem
 from station.output import progress
 from station.settings import Settings
-
-if TYPE_CHECKING:
-    from daq.session import Session
-    from station.results.ladder import KeptLadder
 
 
 @declared("refine")
@@ -59,7 +54,7 @@ def command(
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
     from station.story.preparation import weighing_of
-    from station.text.ladder_text import told
+    from station.text.ladder_text import next_command, told
     from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
@@ -77,20 +72,9 @@ def command(
         ladder = write_ladder(opened, ladder)
     weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
     document = ladder_document(opened, ladder)
-    answer(as_json, document, told(ladder, weighing), *_next(opened, ladder), full=True)
+    answer(as_json, document, told(ladder, weighing), *next_command(ladder, opened.folder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: one tab a step")
-
-
-def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:
-    """Return the command that comes next: without what is of no use, to the report at the floor, else on."""
-    if f"--remove {ladder.top.added}" in ladder.stopped_because:
-        return ("refine", session.folder, "--remove", ladder.top.added)
-    if ladder.top.at_floor:
-        return ("report", session.folder)
-    if ladder.verdict is None:
-        return ("refine", session.folder, "--auto")
-    return ("report", session.folder)

@@ -5,9 +5,8 @@ from pathlib import Path
 import click
 
 from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
-from station.output import print_json, progress, say
+from station.output import next_line, print_json, progress, say
 from station.settings import Settings
-from station.text.next_step import next_line
 
 NO_FOLDER = click.Path(path_type=Path, dir_okay=False)
 

@@ -1,18 +1,11 @@
 """`station table`: the paper's tables for any number of sessions."""
 
-from typing import TYPE_CHECKING
-
 import click
 
 from station.commands.options import JSON, SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import print_json, progress
+from station.output import next_line, print_json, progress
 from station.settings import Settings
-from station.text.next_step import next_line
-
-if TYPE_CHECKING:
-    from daq.session import Session
-    from station.results.identification_document import IdentificationDocument
 
 FORMATS = ("text", "csv", "latex")
 
@@ -30,18 +23,13 @@ def command(
     table.
     """
     from identify.errors import NotIdentifiable
-    from station.operations.identifying import identify_session, kept_options
+    from station.operations.identifying import identified
     from station.operations.session_set import of_each
     from station.results.sessions import open_session
     from station.text import table
 
-    def identified(session: "Session") -> "IdentificationDocument":
-        result, document = identify_session(session, kept_options(session, settings))
-        if result.wavelet is None and result.restoring_force is None:
-            raise NotIdentifiable("nothing identified")
-        return document
-
-    found, left_out = of_each([open_session(name, settings.sessions) for name in sessions], identified)
+    opened = [open_session(name, settings.sessions) for name in sessions]
+    found, left_out = of_each(opened, lambda session: identified(session, settings))
     for name, why in left_out.items():
         progress(f"left out: {name}: {why}")
     documents, folders = [document for _, document in found], [session.folder for session, _ in found]

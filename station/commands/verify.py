@@ -2,9 +2,8 @@
 
 from station.commands.options import JSON, SESSIONS, declared
 from station.exits import STORAGE, Answered
-from station.output import print_json, say
+from station.output import next_line, print_json, say
 from station.settings import Settings
-from station.text.next_step import next_line
 
 
 @declared("verify")

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from station.commands.options import JSON, NO_VIEWER, SESSION, declared, option
-from station.output import print_json, progress, say
+from station.output import next_line, print_json, progress, say
 from station.settings import Settings
-from station.text.next_step import next_line
 
 
 @declared("view")
@@ -41,7 +40,7 @@ def command(
         for picture in document["pictures"]:
             progress(f"picture:   {picture}")
     elif not no_viewer and viewer.has_screen():
-        viewer.open_viewer(file)
+        viewer.start(str(file), "--port", "auto")
         progress("the viewer is opening")
     elif not no_viewer:
         progress(f"no screen here: look at it elsewhere with `rerun {file}`, or take pictures with")

@@ -78,10 +78,10 @@ def live_screen(rate: float, with_viewer: bool) -> Iterator[tuple[str | None, Ca
         from station.views.viewer import has_screen
 
         if has_screen():
-            from station.views.live import LiveViewer
+            from station.views.live import live_viewer
 
-            with LiveViewer(rate) as live:
-                yield live.url, live.view
+            with live_viewer(rate) as live:
+                yield live
                 return
         progress("no screen here: no live view")
     yield None, None

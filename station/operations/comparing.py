@@ -4,15 +4,15 @@ from pathlib import Path
 
 from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.operations.current_model import CurrentModel, current_model
-from station.operations.record_floor import prepare_with_floor
+from station.operations.current_model import current_model
+from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
 from station.results.documents import write_document
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.pipeline import compare
-from station.story.preparation import options_for
+from station.story.preparation import prepare_session
 
 
 def compare_session(
@@ -29,30 +29,9 @@ def compare_session(
     `mass` (kg) replaces the session's; `prepared` is its release, where it was prepared before. Returns the comparison
     and its document.
     """
-    prepared = prepared or prepare_with_floor(session, settings, mass=mass)
+    prepared = prepared or with_floor(session, prepare_session(session, settings, mass=mass))
     current = current_model((session,), model_file, whole_library(effects_file))
-    compared = compared_with(session, settings, current, prepared, mass)
+    compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)
     write_document(session, NAME, document)
     return compared, document
-
-
-def compared_with(
-    session: Session,
-    settings: Settings,
-    current: CurrentModel,
-    prepared: PreparedDecay,
-    mass: float | None = None,
-) -> Compared:
-    """Compare a session with a model; nothing is written."""
-    weight = options_for(session, settings, mass).mass
-    start = current.start((prepared,))
-    return compare(
-        session.folder.name,
-        prepared,
-        current.model,
-        start,
-        mass=weight,
-        words=current.words,
-        remark=current.remark,
-    )

@@ -1,7 +1,7 @@
 """The current model of a session: every command, the page, the viewer and the report use it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 from daq.session import Session
@@ -9,35 +9,17 @@ from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import among, plain_name
 from identify.model.model import Model, Term, base_model
-from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.results.documents import read_document
 from station.results.identification_document import NAME, IdentificationDocument
 from station.results.ladder import KeptStep, read_ladder
-from station.results.models import KnownModel, known_model, read_model, starting_values
-
-
-@dataclass(frozen=True, eq=False)
-class CurrentModel:
-    """A model, with its name in `words`; `remark` says why it is not another that one might expect.
-
-    `values` are those to fit from, by "effect.parameter" (None: from the data), `expressions` the operator's own effects.
-    """
-
-    model: Model
-    words: str = "the usual model"
-    values: dict[str, float] | None = None
-    expressions: tuple[str, ...] = ()
-    remark: str = ""
-
-    def start(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float] | None:
-        """Find where a fit to some releases begins, by unknown's name; None where the data say."""
-        return None if self.values is None else starting_values(KnownModel(self.model, self.values), decays)
+from station.results.models import known_model, read_model
+from station.story.known_model import KnownModel
 
 
 def current_model(
     sessions: Sequence[Session], file: Path | None = None, library: tuple[Effect, ...] = LIBRARY
-) -> CurrentModel:
+) -> KnownModel:
     """Return the model of a file, or `usual`, `identified`, `refined`; without any the current model of the sessions.
 
     That is the refined model; before any `refine` the first one. Raises UsageProblem where there is none of that name.
@@ -49,13 +31,13 @@ def current_model(
         return first_model(sessions)
     if None in tops or len({tuple(top.effects) for top in tops if top}) > 1:
         remark = "The sessions were refined differently. To begin with the model of one: --model FILE."
-        return CurrentModel(base_model(), remark=remark)
+        return KnownModel(base_model(), remark=remark)
     return model_of_step(next(top for top in tops if top), library)
 
 
 def first_model(
     sessions: Sequence[Session], file: Path | None = None, library: tuple[Effect, ...] = LIBRARY
-) -> CurrentModel:
+) -> KnownModel:
     """Return the model that a refinement begins with: that of `file`, as `current_model`, else that of the sessions.
 
     That is the model identified at the orders that the operator chose, where they did, and the usual one otherwise:
@@ -65,24 +47,23 @@ def first_model(
         return _own(sessions)
     name = "" if file.is_file() else str(file)
     if name == "usual":
-        return CurrentModel(base_model())
+        return KnownModel(base_model())
     if name == "identified":
         kept = [kept_identification(session) for session in sessions]
         found = [tuple(one.adequacy.effects) if one and one.adequacy else () for one in kept]
         effects = _alike(sessions, found, "identified", "identify")
-        return CurrentModel(model_of(effects), "the identified model")
+        return KnownModel(model_of(effects), "the identified model")
     if name == "refined":
         tops = _refined(sessions)
         _alike(sessions, [() if top is None else tuple(top.effects) for top in tops], "refined", "refine")
         return model_of_step(next(top for top in tops if top), library)
-    known = read_model(file, library)
-    return CurrentModel(known.model, f"the model of {file}", known.values, known.expressions)
+    return replace(read_model(file, library), words=f"the model of {file}")
 
 
-def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> CurrentModel:
+def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return the model of a step of a ladder, with its values."""
     known = known_model(step.model, "the ladder", library)
-    return CurrentModel(known.model, step.begun_with or f"the {step.name}", known.values, known.expressions)
+    return replace(known, words=step.begun_with or f"the {step.name}")
 
 
 def kept_identification(session: Session) -> IdentificationDocument | None:
@@ -114,20 +95,20 @@ def _alike(
     return found[0]
 
 
-def _own(sessions: Sequence[Session]) -> CurrentModel:
+def _own(sessions: Sequence[Session]) -> KnownModel:
     kept = [kept_identification(session) for session in sessions]
     chosen = {() if one is None else one.chosen for one in kept}
     if len(chosen) == 1 and (effects := chosen.pop()):
-        return CurrentModel(model_of(effects), "the identified model, at the orders that were chosen")
+        return KnownModel(model_of(effects), "the identified model, at the orders that were chosen")
     usual = base_model()
     if any(chosen):
-        return CurrentModel(usual, remark="The sessions were identified at different orders.")
+        return KnownModel(usual, remark="The sessions were identified at different orders.")
     found = [name for one in kept[:1] if one and one.adequacy for name in one.adequacy.effects]
     beyond = [plain_name(name) for name in found if name not in usual]
     if not beyond:
-        return CurrentModel(usual)
+        return KnownModel(usual)
     remark = (
         f"The identification also found {among(beyond)}. Another effect may be the cause, so here it is a suspect. "
         "To begin with it: --model identified."
     )
-    return CurrentModel(usual, remark=remark)
+    return KnownModel(usual, remark=remark)

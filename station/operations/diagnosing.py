@@ -3,14 +3,16 @@
 from pathlib import Path
 
 from identify.comparison.other_benches import OTHER_BENCH, other_benches
-from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.diagnose import Diagnosis, diagnose
+from identify.fitting.validation import leave_one_out
 from station.exits import UsageProblem
-from station.operations.current_model import CurrentModel, current_model
+from station.operations.current_model import current_model
 from station.operations.session_set import SessionSet
 from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import write_document
-from station.story.pipeline import Progress, diagnose, silent
+from station.story.known_model import KnownModel
+from station.story.pipeline import Progress, silent
 
 
 def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> None:
@@ -35,7 +37,7 @@ def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> 
 
 def diagnose_sessions(
     sessions: SessionSet,
-    model: CurrentModel | Path | None = None,
+    model: KnownModel | Path | None = None,
     effects_file: Path | None = None,
     progress: Progress = silent,
     steps: Progress = silent,
@@ -44,24 +46,23 @@ def diagnose_sessions(
 ) -> tuple[Diagnosis, DiagnosisDocument]:
     """Diagnose sessions together: what their current model lacks, or another `model`, or that of its file.
 
-    Returns the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`.
+    `steps` gets each fit as it is counted, `progress` only the long steps. Returns the diagnosis and its document, which
+    `keep` writes; of several sessions it has the error on each of what was found on the others.
     """
     library = whole_library(effects_file)
-    if not isinstance(model, CurrentModel):
+    if not isinstance(model, KnownModel):
         model = current_model(sessions.sessions, model, library)
-    found, left_out = diagnose(
-        sessions.decays,
-        model.model,
-        model.start(sessions.decays),
-        library=library,
-        worth=worth,
-        progress=progress,
-        steps=steps,
-    )
+    decays, chosen, left_out = sessions.decays, model.model, None
+    progress(f"trying {len(library) - len(chosen.terms)} effects")
+    known = model.start(decays)
+    found = diagnose(decays, chosen, library=library, known=known, worth=worth, progress=steps)
+    if len(decays) > 1:
+        progress("leaving one session out at a time")
+        left_out = leave_one_out(found.final)
     document = diagnosis_document(sessions.names, found, model.expressions, left_out)
-    known = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
-    known |= {"model_is": model.words, "model_remark": model.remark}
-    return found, document.model_copy(update=known)
+    of_sessions = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
+    said = {"model_is": model.words, "model_remark": model.remark}
+    return found, document.model_copy(update=of_sessions | said)
 
 
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:

@@ -16,13 +16,16 @@ from identify.diagnosis.guidance import Guidance, first_release, guidance, what_
 from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
 from station.operations.diagnosing import keep
+from station.operations.new_session import metres
 from station.operations.provisional import Provisional
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
+from station.story.preparation import prepare_session
 
 RIG = ("--holder=-25,25", "--releases=20")
 """Of the simulated board: between which displacements (mm) it holds the mass, and at which what it hides has its size."""
@@ -93,7 +96,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             told = _again(told, rejected, [one.problem for one in turns])
         else:
             try:
-                prepared = prepare_with_floor(session, test.settings)
+                prepared = with_floor(session, prepare_session(session, test.settings))
                 trial = SessionSet((*sessions, session), (*decays, prepared))
                 found = diagnose(trial.decays)
             except NotIdentifiable as refusal:
@@ -116,6 +119,19 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
     return _keep(test, turns, told)
+
+
+def limits_of(text: str, unattended: bool = False) -> Limits:
+    """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
+    lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
+    if len(lengths) <= text.count(","):
+        raise UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
+    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
+        raise UsageProblem(
+            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
+        )
+    ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
+    return Limits(lengths[0], lengths[1], ways=ways)
 
 
 def _record(

@@ -60,6 +60,14 @@ def kept_options(session: Session, settings: Settings, mass: float | None = None
     return replace(options, max_order=orders.max_order, stiffness_orders=tuple(orders.stiffness_orders))
 
 
+def identified(session: Session, settings: Settings) -> IdentificationDocument:
+    """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
+    result, document = identify_session(session, kept_options(session, settings))
+    if result.wavelet is None and result.restoring_force is None:
+        raise NotIdentifiable("nothing identified")
+    return document
+
+
 def refuse_if_nothing(result: Identification) -> None:
     """Raise Answered when both methods refused."""
     if result.wavelet is None and result.restoring_force is None:

@@ -19,7 +19,7 @@ from station.exits import UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import new_folder
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
@@ -29,6 +29,7 @@ from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
 from station.settings import Settings
 from station.story.engineering_values import Weighing
+from station.story.preparation import prepare_session
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
@@ -49,15 +50,9 @@ class Solved:
     truth: dict[str, Any]
 
     @property
-    def found(self) -> tuple[str, ...]:
-        """What the diagnosis named."""
-        return tuple(self.diagnosis.named)
-
-    @property
     def right(self) -> bool:
         """Whether what was hidden is what was named first, or is not distinguishable from it."""
-        hidden = self.truth["hidden"]
-        return bool(self.found) and self.found[0] == hidden
+        return self.diagnosis.named[:1] == [self.truth["hidden"]]
 
 
 def play(
@@ -100,7 +95,8 @@ def solve(
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
     session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
-    sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
+    prepared = with_floor(session, prepare_session(session, settings))
+    sessions = SessionSet((session,), (prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)
@@ -140,11 +136,11 @@ def hidden_words(truth: dict[str, Any]) -> str:
 def revealed(solved: Solved) -> Told:
     """Tell what was hidden, and whether it was found."""
     hidden, left = plain_name(solved.truth["hidden"]), solved.ladder.top.error.words
-    tone: Tone = "good" if solved.right else "bad" if solved.found else "unsure"
+    tone: Tone = "good" if solved.right else "bad" if solved.diagnosis.named else "unsure"
     if solved.right:
         said = f"FOUND: {hidden} was named, and the model now leaves {left}."
-    elif solved.found:
-        said = f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {hidden}."
+    elif solved.diagnosis.named:
+        said = f"NOT FOUND: {plain_name(solved.diagnosis.named[0])} was named instead of {hidden}."
         if solved.truth["hidden"] in solved.diagnosis.suspects[0].confusable_with:
             said += " The diagnosis does say that the two are easily confused."
     else:

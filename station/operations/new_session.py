@@ -74,14 +74,6 @@ def metres(text: str) -> float | None:
     )
 
 
-def _release_from(text: str | None) -> float | None:
-    if text is None:
-        return None
-    if (length := metres(text)) is None:
-        raise UsageProblem(f"--release {text}: write a length with its unit, as 12mm or -8mm")
-    return length
-
-
 def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSettings:
     """Say how to capture by the options of a command that has the options of RELEASE, else by the settings."""
     of_the_test = ("mass", "mass_std", "specimen", "operator", "conditions")
@@ -91,6 +83,9 @@ def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSetti
 
 def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> CaptureSettings:
     """Say how to capture: options where they were given, else the settings."""
+    release = given.get("release")
+    if release is not None and (length := metres(release)) is None:
+        raise UsageProblem(f"--release {release}: write a length with its unit, as 12mm or -8mm")
     known = settings.capture.model_copy(update={name: v for name, v in given.items() if v is not None})
     return CaptureSettings(
         duration_s=known.duration,
@@ -98,6 +93,6 @@ def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> Cap
         pre_trigger_s=known.pre_trigger,
         trigger_timeout_s=known.patience,
         trigger_level=given.get("level"),
-        release_from=_release_from(given.get("release")),
+        release_from=None if release is None else length,
         info=info,
     )

@@ -15,6 +15,7 @@ from identify.errors import NotIdentifiable
 from identify.formatting import among, plain_name
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from station.story.pipeline import silent
 
 _SHARE = 0.4
 """Share of the record after which it is looked at: at less, slow decays have hardly begun."""
@@ -74,7 +75,7 @@ class Provisional(CaptureObserver):
 
     def close(self) -> None:
         """Wait for nothing: what is not weighed by now comes too late."""
-        self._say = _nobody
+        self._say = silent
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _weigh(self, samples: Array) -> None:
@@ -96,7 +97,3 @@ class Provisional(CaptureObserver):
             return among([plain_name(name) for name in named]) if named else "nothing is named yet"
         found = weighed_anew(self._hypotheses, self._before, new)
         return f"{found[0].title}, odds {100.0 * odds(found)[0]:.0f} % among the open hypotheses"
-
-
-def _nobody(answer: str) -> None:
-    """Drop an answer that comes when the final one is on its way."""

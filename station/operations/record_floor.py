@@ -12,8 +12,6 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.results.documents import Document, read_document, write_document
-from station.settings import Settings
-from station.story.preparation import prepare_session
 
 NAME = "noise_floor.json"
 
@@ -23,19 +21,6 @@ class NoiseFloor(Document):
 
     session: str
     chi2_std: float = Field(gt=0, allow_inf_nan=False)
-
-
-def prepare_with_floor(
-    session: Session,
-    settings: Settings,
-    gain_percent: float | None = None,
-    *,
-    mass: float | None = None,
-    beside_others: bool = False,
-) -> PreparedDecay:
-    """Return the release of a session, ready to be fitted, with its floor; arguments and errors as `prepare_session`."""
-    prepared = prepare_session(session, settings, gain_percent, mass=mass, beside_others=beside_others)
-    return with_floor(session, prepared)
 
 
 def with_floor(session: Session, prepared: PreparedDecay) -> PreparedDecay:

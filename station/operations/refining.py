@@ -24,13 +24,14 @@ from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.documents import Errors, seen, to_text
-from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
-from station.results.models import known_model, name_of, parsed_effect
+from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
+from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress
+from station.story.preparation import prepare_session
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
@@ -70,13 +71,13 @@ def open_refinement(
     ladder = None if reset or model_file is not None else read_ladder(session)
     if gain_percent is None and ladder is not None:
         gain_percent = ladder.gain_percent
-    prepared = prepare_with_floor(session, settings, gain_percent)
+    prepared = with_floor(session, prepare_session(session, settings, gain_percent))
     if ladder is None:
         begun = first_model((session,), model_file, library)
         step = first_step((prepared,), begun.model, begun.start((prepared,)))
         ladder = KeptLadder(
             format=1,
-            steps=(kept_step(step, begun.expressions, begun.words),),
+            steps=(_kept(step, begun.expressions, begun.words),),
             present=0,
             floor=floor_of(prepared, step),
             gain_percent=gain_percent,
@@ -145,7 +146,7 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
         step = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    kept = kept_step(step, expressions)
+    kept = _kept(step, expressions)
     refinement.fitted[to_text(kept.model)] = step
     return kept, _added(step, effect.name, top)
 
@@ -160,7 +161,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     if len(top.effects) == 1:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     step = remove_effect(top, name)
-    kept = kept_step(step, refinement.ladder.top.model.expressions)
+    kept = _kept(step, refinement.ladder.top.model.expressions)
     return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was taken out"))
 
 
@@ -186,7 +187,7 @@ def refine_to_floor(
         progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
         if not step.added and not step.removed:
             return
-        steps.append(kept_step(step, top.model.expressions))
+        steps.append(_kept(step, top.model.expressions))
         keep(f"as found so far, {words}")
         if found_so_far is not None:
             did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
@@ -209,7 +210,7 @@ def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
     dropped = without_needless_effects(step_again(refinement, ladder.top), set(ladder.steps[0].effects))
     if not dropped:
         return ladder, "Each effect that was added is needed: without it the residual rises."
-    steps = tuple(kept_step(step, ladder.top.model.expressions) for step in dropped)
+    steps = tuple(_kept(step, ladder.top.model.expressions) for step in dropped)
     names = ", ".join(plain_name(step.removed) for step in dropped)
     words = f"removed, because without it the residual hardly rises: {names}"
     return _extended(refinement, steps, words), f"{words[:1].upper()}{words[1:]}."
@@ -223,6 +224,19 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
     if number != ladder.present:
         ladder = ladder.with_(present=number, stopped_because=f"gone back to step {number}", verdict=None)
     return write_ladder(refinement.session, ladder)
+
+
+def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
+    """Make the document of a step; `begun_with` says of the first which model it is."""
+    return KeptStep(
+        added=step.added,
+        removed=step.removed,
+        model=model_file(step.stated, expressions),
+        error=Errors.model_validate(step.error),
+        chi2_std=step.error.floor_std,
+        nuisances={name: found.value for name, found in step.fit.nuisances.items()},
+        begun_with=begun_with,
+    )
 
 
 def _extended(

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from daq.errors import StationError
 from daq.session import Session
-from identify.effects.effect import Effect
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import Problem
+from station.operations.refining import Refinement
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_pictures import NamedCurves, diagnosed_curves
 from station.settings import Settings
@@ -15,23 +15,20 @@ from station.story.preparation import prepare_session
 
 
 def kept_curves(
-    session: Session,
-    prepared: PreparedDecay,
-    document: DiagnosisDocument,
-    library: tuple[Effect, ...],
-    settings: Settings,
+    refinement: Refinement, document: DiagnosisDocument, settings: Settings
 ) -> NamedCurves | None:
     """Return the curves of a session and of those beside it that were diagnosed together; None where it has none.
 
     Sessions that are gone, or cannot be read, are left out. Raises UsageProblem when an effect is not in the library.
     """
+    session, prepared = refinement.session, refinement.prepared
     found = [(session.folder.name, prepared)]
     for other in diagnosed_beside(session, document):
         decay = prepared_or_none(other, settings)
         if decay is not None and decay.window.channels == prepared.window.channels:
             found.append((other.folder.name, decay))
     names, decays = zip(*found, strict=True)
-    return diagnosed_curves(names, decays, document, library)
+    return diagnosed_curves(names, decays, document, refinement.library)
 
 
 def diagnosed_beside(session: Session, document: DiagnosisDocument) -> tuple[Session, ...]:

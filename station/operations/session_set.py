@@ -10,9 +10,10 @@ from identify.fitting.own_linear import VARIES, changed_on_purpose
 from identify.fitting.segments import largest_first
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.results.sessions import open_session
 from station.settings import Settings
+from station.story.preparation import prepare_session
 from station.suggestions import did_you_mean
 
 MOST_SESSIONS = 12
@@ -54,14 +55,16 @@ def open_sessions(
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
     sessions = opened_once(arguments, settings)
     several = len(sessions) > 1
-    ready, left_out = of_each(
-        sessions,
-        lambda session: prepare_with_floor(session, settings, gain_percent, beside_others=several),
-    )
+
+    def prepared(session: Session, beside_others: bool = several) -> PreparedDecay:
+        decay = prepare_session(session, settings, gain_percent, beside_others=beside_others)
+        return with_floor(session, decay)
+
+    ready, left_out = of_each(sessions, prepared)
     if not ready:
         raise NotIdentifiable("; ".join(f"{name}: {why}" for name, why in left_out.items()))
     if several and len(ready) == 1:  # alone after all, by the rule for one
-        ready = [(ready[0][0], prepare_with_floor(ready[0][0], settings, gain_percent))]
+        ready = [(ready[0][0], prepared(ready[0][0], beside_others=False))]
     sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
     _check_alike(sessions, decays)
     order = largest_first(decays)

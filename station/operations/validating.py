@@ -20,10 +20,11 @@ from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import write_document
 from station.results.ladder import read_ladder
-from station.results.models import KnownModel, ModelFile, known_model, read_model_file
+from station.results.models import ModelFile, known_model, read_model_file
 from station.results.sessions import open_session
 from station.results.validation_document import NAME, ValidationDocument, validation_document
 from station.settings import Settings
+from station.story.known_model import KnownModel
 from station.story.pipeline import Progress, silent
 from station.story.preparation import prepare_session
 

@@ -1,6 +1,7 @@
 """The Ladder tab, for the session's recording and for a viewer that is open."""
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 from daq.session import Session
@@ -16,11 +17,11 @@ if TYPE_CHECKING:
 
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
     """Make the Ladder tab of a session; each step's fit is found again from its values."""
-    from station.views.ladder import FittedLadder
+    from station.views import ladder
 
-    kept = refinement.ladder
+    kept, name = refinement.ladder, refinement.session.folder.name
     fits = tuple(step_again(refinement, step).fit for step in kept.steps[: kept.present + 1])
-    return FittedLadder(refinement.session.folder.name, kept, fits, root).tab
+    return partial(ladder.tab, name=name, ladder=kept, fits=fits, root=root)
 
 
 def kept_tabs(session: Session, settings: Settings) -> tuple["Tab", ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from daq.errors import StationError
 from daq.manifest import Manifest
@@ -10,23 +10,22 @@ from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session, compared_with
+from station.operations.comparing import compare_session
 from station.operations.current_model import model_of_step
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
-from station.operations.record_floor import prepare_with_floor
+from station.operations.record_floor import with_floor
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
-from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.pipeline import Progress
-from station.story.preparation import Options
+from station.story.pipeline import Progress, compare
+from station.story.preparation import Options, prepare_session
 
 
 @dataclass(eq=False)
@@ -41,7 +40,6 @@ class Findings:
     options: Options
     manifest: Manifest | None = None
     identification: Identification | None = None
-    document: IdentificationDocument | None = None
     compared: Compared | None = None
     first: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
@@ -61,12 +59,12 @@ def gather(
     """
     found = Findings(session, session.recording(), kept_options(session, settings, mass))
     with _or_say_why(found, "identification", NotIdentifiable):
-        found.identification, found.document = identify_session(session, found.options)
+        found.identification, _ = identify_session(session, found.options)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
         found.compared, _ = compare_session(session, settings, mass=mass)
     if diagnose:
         with _or_say_why(found, "suspects", NotIdentifiable):
-            sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
+            sessions = SessionSet((session,), (with_floor(session, prepare_session(session, settings)),))
             _, document = diagnose_sessions(sessions, progress=progress)
             keep(sessions, document)
     with _or_say_why(found, "suspects", UsageProblem):
@@ -116,9 +114,10 @@ def _take_model(found: Findings, settings: Settings) -> None:
     if document is not None:
         with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
             found.maps = kept_force_maps(document, prepared, library)
-            found.curves = kept_curves(session, prepared, document, library, settings)
+            found.curves = kept_curves(refinement, document, settings)
     if refined:
         found.ladder = ladder
         if ladder.present > 0 and found.compared is not None:
             first = model_of_step(ladder.steps[0], library)
-            found.first = compared_with(session, settings, first, prepared, found.options.mass)
+            weighed = replace(prepared, mass=found.options.mass)
+            found.first = compare(session.folder.name, weighed, first)

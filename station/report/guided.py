@@ -4,10 +4,13 @@ from daq.session import Session
 from daq.storage import write_whole
 from station.campaign.sources import FOLDER, Request, find_sources
 from station.campaign.together import campaign
-from station.operations.guiding import GuidedTest
+from station.operations.guiding import GuidedTest, guide
+from station.output import progress, screen
 from station.report.write import NAME as REPORT
 from station.report.write import write_report
 from station.results.guide_document import NAME, GuideDocument
+from station.safe_text import SafeConsole
+from station.text.guide_text import GuideScreen, show_guide
 
 
 def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
@@ -27,3 +30,13 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
     whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept)})
     write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
     return whole
+
+
+def show_guided(test: GuidedTest, as_json: bool) -> GuideDocument:
+    """Run a guided test on the screen (on stderr where JSON is wanted); return its document."""
+    console = SafeConsole(stderr=True, highlight=False) if as_json else screen()
+    document = guide(test, GuideScreen(console, alone=test.alone))
+    progress("writing the report")
+    document = finish(test, document)
+    show_guide(console, document)
+    return document

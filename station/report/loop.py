@@ -1,12 +1,14 @@
 """The sections of results: where the current model fails, the suspects, the ladder, and both identifications."""
 
+from collections.abc import Sequence
+
+from identify.curves.laid_over import DecayCurves
 from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
 from station.story.compared import Compared
 from station.story.preparation import length_unit
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts
-from station.text.curves_text import curves_caption
 from station.text.numbers import typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.palette import PAPER, Look
@@ -81,6 +83,30 @@ def curves_of(found: NamedCurves, look: Look = PAPER) -> Figure:
     """Draw the curves of sessions with the laws of their diagnosis."""
     caption = curves_caption(found.names, found.curves)
     return Figure(caption, diagnosis_figures.curves(found.curves, found.names, look))
+
+
+def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
+    """Explain points, bands and lines of the curves; `names` are those of the releases that were given."""
+    many = len(found.releases) > 1
+    kept = [names[curve.release] for curve in found.releases]
+    whose = f"each of {len(kept)} releases ({', '.join(kept)})" if many else "this release"
+    words = [
+        f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
+        "a cycle or more; its band is two standard errors, from the scatter of its neighbours. The damping ratio is that of "
+        "a viscous damper with the same loss: each cycle loses 4π times this ratio of the energy. A linear spring "
+        "with viscous damping gives two level lines."
+    ]
+    if any(laid.curves for laid in found.laws):
+        words.append(
+            "Thin line: the usual model, as it is fitted. Thick line: the model with the named effects, "
+            "simulated and evaluated in the same way. Broken line: an effect that explains nearly as much."
+        )
+        if many:
+            words.append("Every line has the linear stiffness and viscous damping of its own release.")
+    left = [name for place, name in enumerate(names) if place not in {c.release for c in found.releases}]
+    if left:
+        words.append(f"Too short for a curve: {', '.join(left)}.")
+    return " ".join(words)
 
 
 def methods(found: Findings) -> list[Part]:

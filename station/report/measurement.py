@@ -2,12 +2,13 @@
 
 import platform
 from datetime import UTC
-from importlib.metadata import PackageNotFoundError, version
 
 from daq.recording import Channel
 from identify.formatting import three_figures, with_error
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
+from station.results.identification_document import amplitude
+from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
@@ -128,10 +129,9 @@ def _release(found: Findings) -> list[tuple[str, str]]:
         ),
         ("rest before", f"{rest:.2f} s"),
     ]
-    amplitude = None if found.document is None else found.document.release.amplitude
-    if amplitude is not None:
+    if (size := amplitude(found.identification)) is not None:
         factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{abs(amplitude) * factor:.4g} {typeset_unit(label)}"))
+        rows.append(("amplitude", f"{abs(size) * factor:.4g} {typeset_unit(label)}"))
     return rows
 
 
@@ -155,7 +155,7 @@ def alignment(found: Findings) -> list[Part]:
 def provenance(found: Findings) -> list[Part]:
     """List versions and the checksums of every file that the manifest knows, the report's own aside."""
     rows = [("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")]
-    rows += [(name, _version(name)) for name in PACKAGES]
+    rows += [(name, version_of(name, "not installed as a package")) for name in PACKAGES]
     parts: list[Part] = [Facts(tuple(rows))]
     if found.manifest is None:
         parts.append(Paragraph(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
@@ -169,10 +169,3 @@ def provenance(found: Findings) -> list[Part]:
         )
         parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
     return parts
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed as a package"

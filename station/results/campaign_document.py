@@ -5,7 +5,7 @@ from datetime import datetime
 from pydantic import Field
 
 from identify.diagnosis.verdict import Verdict
-from station.results.documents import Document, EstimateDocument, Number, Part
+from station.results.documents import Document, EstimateDocument, Number, Part, RefusedSession
 
 NAME = "campaign.json"
 
@@ -39,16 +39,9 @@ class SessionResult(Document):
 class CampaignRow(Part):
     """One session of the table: its result, and the numbers known of the test, such as "temperature [degC]"."""
 
-    made: datetime | None
+    made: datetime
     conditions: dict[str, float]
     result: SessionResult
-
-
-class FailedSession(Part):
-    """A session without a result, and the reason."""
-
-    session: str
-    reason: str
 
 
 class OutsideDocument(Part):
@@ -108,7 +101,7 @@ class CampaignDocument(Document):
     wall_s: float
     work_s: float
     rows: list[CampaignRow]
-    failed: list[FailedSession]
+    failed: list[RefusedSession]
     verdicts: dict[str, int]
     names: dict[str, int]
     charts: list[ChartDocument]

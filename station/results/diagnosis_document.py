@@ -97,6 +97,7 @@ def diagnosis_document(
     """
     baseline, confirmation = found.baseline, found.confirmation
     fitted = model_file(baseline.stated(baseline.fit), expressions)
+    uses = zip(names, (decay.use for decay in found.decays), strict=False)
     return DiagnosisDocument.of(
         found,
         format=1,
@@ -116,7 +117,7 @@ def diagnosis_document(
         next_release=next_release_document(found.next_release),
         fitted=fitted,
         final=model_file(baseline.stated(found.final), expressions) if found.named else None,
-        used=_used(names, found),
+        used=[UsedDocument.of(use, session=name) for name, use in uses if use is not None],
         of_sessions=[ReleaseValueDocument.of(one, session=names[one.index]) for one in found.of_releases],
     )
 
@@ -174,11 +175,6 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
         for name, n in baseline.floors[0].channels.items()
     }
     return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
-
-
-def _used(names: tuple[str, ...], found: Diagnosis) -> list[UsedDocument]:
-    uses = zip(names, (decay.use for decay in found.decays), strict=False)
-    return [UsedDocument.of(use, session=name) for name, use in uses if use is not None]
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> SuspectDocument:

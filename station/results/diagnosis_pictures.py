@@ -12,7 +12,7 @@ from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.models import ModelFile, known_model, starting_values
+from station.results.models import ModelFile, known_model
 
 MOST_RIVALS = 2
 MOST = 3
@@ -86,7 +86,7 @@ def kept_force_maps(
     if document.fitted is None or not models:
         return ()
     first = known_model(document.fitted, "the diagnosis", library)
-    base = fit_baseline((prepared,), first.model, starting_values(first, (prepared,))).fit
+    base = fit_baseline((prepared,), first.model, first.start((prepared,))).fit
     return force_maps(prepared, base, [refitted(model, base, prepared, library) for model in models])
 
 
@@ -95,5 +95,5 @@ def refitted(
 ) -> tuple[Term, Fit]:
     """Fit a suspect's model near its values, which are not lost to another minimum; return its last term, and the fit."""
     known = known_model(model, "the diagnosis", library)
-    start = starting_values(known, (prepared,))
+    start = known.start((prepared,)) or {}
     return known.model.terms[-1], fit(known.model, base.windows, start, base.frequency, near=True)

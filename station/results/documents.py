@@ -15,18 +15,14 @@ from station.story.residual import noise_multiple, residual_words
 LARGEST = 50 << 20
 
 
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _as_list(values: Any) -> Any:
-    return values.tolist() if isinstance(values, np.ndarray) else values
-
-
-Number = Annotated[float | None, BeforeValidator(_finite)]
+Number = Annotated[
+    float | None, BeforeValidator(lambda n: None if isinstance(n, float) and not math.isfinite(n) else n)
+]
 """A number; None where it is not finite, as JSON has no other way to say so."""
 
-Numbers = Annotated[list[Number], BeforeValidator(_as_list)]
+Numbers = Annotated[
+    list[Number], BeforeValidator(lambda all: all.tolist() if isinstance(all, np.ndarray) else all)
+]
 
 
 class _Result:
@@ -71,6 +67,13 @@ class EstimateDocument(Part):
     value: Number
     std: Number
     unit: str
+
+
+class RefusedSession(Part):
+    """A session without a result, and the reason."""
+
+    session: str
+    reason: str
 
 
 class ChannelNoise(Part):

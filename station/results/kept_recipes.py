@@ -1,5 +1,6 @@
 """Recipes that were confirmed once: kept in each session as `recipe.toml`, found again for the next file of that shape."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from daq.importing.apply import fits
@@ -27,7 +28,9 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
         written = recipe.model_copy(update={"fields": ()}) if in_text else recipe
         key = written.model_dump_json(exclude={"rate", "resample", "restarts"})
         if key not in tables:
-            tables[key] = _table(file, written)
+            tables[key] = None
+            with suppress(ImportProblem):
+                tables[key] = read_table(file, written)
         table = tables[key]
         if table is None or not fits(table, recipe):
             continue
@@ -61,10 +64,3 @@ def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
             general = recipe.model_copy(update={"parts": parts, "runs": ()})
             found.setdefault(general.model_dump_json(), (place, general))
     return list(found.values())
-
-
-def _table(file: Path, written: Recipe) -> Table | None:
-    try:
-        return read_table(file, written)
-    except ImportProblem:
-        return None

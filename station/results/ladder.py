@@ -1,6 +1,6 @@
 """The ladder of a session as a document: every step with its model, so that one can go back to it."""
 
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from pydantic import Field
 
@@ -8,11 +8,8 @@ from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
-from station.results.models import ModelFile, Value, model_file
+from station.results.models import ModelFile, Value
 from station.story.residual import reaches_floor
-
-if TYPE_CHECKING:
-    from identify.diagnosis.ladder import Step
 
 LADDER = "ladder.json"
 MODEL = "model.json"
@@ -82,19 +79,6 @@ class KeptLadder(Document):
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some fields replaced."""
         return self.model_copy(update=changes)
-
-
-def kept_step(step: "Step", expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
-    """Make the document of a step; `begun_with` says of the first which model it is."""
-    return KeptStep(
-        added=step.added,
-        removed=step.removed,
-        model=model_file(step.stated, expressions),
-        error=Errors.model_validate(step.error),
-        chi2_std=step.error.floor_std,
-        nuisances={name: found.value for name, found in step.fit.nuisances.items()},
-        begun_with=begun_with,
-    )
 
 
 def read_ladder(session: Session) -> KeptLadder | None:

@@ -1,7 +1,6 @@
 """A model as a file: effects, variants and values, checked when they are read; reading runs no code."""
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Literal
@@ -12,10 +11,9 @@ from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, Term
-from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
+from station.story.known_model import KnownModel
 from station.validation_words import one_line, refusal
 
 LARGEST = 1 << 20
@@ -62,15 +60,6 @@ class ModelFile(_Part):
             for entry in self.effects
             for name, value in entry.parameters.items()
         }
-
-
-@dataclass(frozen=True, eq=False)
-class KnownModel:
-    """A model that was read: its terms, and its values by "effect.parameter"."""
-
-    model: Model
-    values: dict[str, float]
-    expressions: tuple[str, ...] = ()
 
 
 def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
@@ -121,7 +110,10 @@ def read_model_file(file: Path) -> ModelFile:
 
 def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return a model with its effects looked up; UsageProblem, beginning with `where`, when one does not fit."""
-    by_name = {effect.name: effect for effect in library} | _expressions(model, where)
+    try:
+        by_name = {e.name: e for e in (*library, *map(parsed_effect, model.expressions))}
+    except ValueError as error:
+        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
     terms: list[Term] = []
     values: dict[str, float] = {}
     for entry in model.effects:
@@ -136,14 +128,7 @@ def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBR
             raise UsageProblem(f"{where}: {entry.effect} stands in it twice")
         terms.append(term)
         values |= _values(entry, term, where)
-    return KnownModel(Model(tuple(terms)), values, model.expressions)
-
-
-def _expressions(model: ModelFile, where: str) -> dict[str, Effect]:
-    try:
-        return {effect.name: effect for effect in map(parsed_effect, model.expressions)}
-    except ValueError as error:
-        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
+    return KnownModel(Model(tuple(terms)), values=values, expressions=model.expressions)
 
 
 @lru_cache(maxsize=64)
@@ -183,17 +168,3 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
             )
         values[str(term.parameter(name))] = given.value
     return values
-
-
-def starting_values(known: KnownModel, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
-    """Find where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
-    start = initial_values(decays, known.model, known.values)
-    for term in known.model.terms:
-        for parameter in term.free:
-            id = term.parameter(parameter.name)
-            if str(id) not in known.values:
-                continue
-            for i in range(1 if term.is_force else len(decays)):
-                own = id if term.is_force else id.of_release(i, len(decays))
-                start[str(own)] = known.values[str(id)]
-    return start

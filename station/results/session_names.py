@@ -29,27 +29,30 @@ def find_session(name: str, sessions: Path) -> Path | None:
     whole = [folder for folder in found if folder.name[len(name)] in WORD_ENDS]
     candidates = whole or found
     if len(candidates) > 1:
-        raise UsageProblem(_ambiguous(name, candidates))
+        newest = [folder.name for folder in reversed(candidates)][:MOST_LISTED]
+        more = len(candidates) - len(newest)
+        names = ", ".join(newest) + (f" and {more} more" if more else "")
+        raise UsageProblem(
+            f"{name}: {len(candidates)} sessions begin so: {names}; type more of the name, or `{LAST}`"
+        )
     return candidates[0] if candidates else None
 
 
-def session_folder(argument: str, sessions: Path) -> Path:
-    """Return the folder of a session given by its path or its name; UsageProblem when there is none."""
-    if Path(argument).is_dir():
-        return Path(argument)
+def session_folder(argument: str, sessions: Path, what: str = "session") -> Path:
+    """Return the folder of a session given by its path or its name; UsageProblem when there is none.
+
+    Where `what` is meant may be a file, the path of one is returned.
+    """
+    path = Path(argument)
+    if path.is_dir() or ("file" in what and path.is_file()):
+        return path
     found = find_session(argument, sessions)
     if found is None:
-        raise no_such(argument, sessions)
+        raise _no_such(argument, sessions, what)
     return found
 
 
-def refuse_unknown(argument: str, sessions: Path, what: str = "session or data file") -> None:
-    """Raise UsageProblem where an argument is no folder, no file and no session's name, before anything long begins."""
-    if not Path(argument).exists() and find_session(argument, sessions) is None:
-        raise no_such(argument, sessions, what)
-
-
-def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProblem:
+def _no_such(argument: str, sessions: Path, what: str) -> UsageProblem:
     """Return the refusal of a session that is not there, with the names that are nearest to it."""
     path = Path(argument)
     place = sessions if len(path.parts) < 2 else path.parent
@@ -61,10 +64,3 @@ def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProble
     return UsageProblem(
         f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
     )
-
-
-def _ambiguous(name: str, candidates: list[Path]) -> str:
-    newest = [folder.name for folder in reversed(candidates)][:MOST_LISTED]
-    more = len(candidates) - len(newest)
-    names = ", ".join(newest) + (f" and {more} more" if more else "")
-    return f"{name}: {len(candidates)} sessions begin so: {names}; type more of the name, or `{LAST}`"

@@ -10,7 +10,7 @@ from daq.importing.apply import stated
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
-from daq.importing.reading import Look, look_at
+from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe, to_toml
 from daq.importing.resampling import cut
 from daq.recording import Recording
@@ -23,7 +23,7 @@ from station.exits import UsageProblem
 from station.output import progress
 from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
-from station.results.session_names import find_session, no_such
+from station.results.session_names import session_folder
 from station.story.free_part import dies_away, free_from
 from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
@@ -48,18 +48,11 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     `session_names`), or a data file, which is imported first (a second time it is opened, not imported
     again). Raises UsageProblem when it is none of these.
     """
-    path = Path(argument)
-    if path.is_dir():
+    path = session_folder(argument, sessions, "session or data file")
+    if not path.is_file():
         return Session.open(path)
-    if path.is_file():
-        known = made_of(path, sessions)
-        if known:
-            return Session.open(known[0])
-        return _import_on_the_way(path, sessions, info or SessionInfo())
-    named = find_session(argument, sessions)
-    if named is not None:
-        return Session.open(named)
-    raise no_such(argument, sessions, "session or data file")
+    known = made_of(path, sessions)
+    return Session.open(known[0]) if known else _import_on_the_way(path, sessions, info or SessionInfo())
 
 
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:
@@ -101,7 +94,10 @@ def import_file(
         place = file.parent
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
-    look, said = _look(file, None if anew else kept or sessions, options, recipe)
+    if recipe is None and not anew and options == ImportOptions():
+        look, said = look_with_kept(file, kept or sessions)
+    else:
+        look, said = look_at(file, options, recipe), ""
     try:
         read = look.read(accept=options.accept)
     except ImportProblem as refusal:
@@ -122,17 +118,6 @@ def import_file(
         known = info.model_copy(update={"name": where.name})
         made.append(Session.create_imported(where, part, file, known, used))
     return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
-
-
-def _look(
-    file: Path, sessions: Path | None, options: ImportOptions, recipe: Recipe | None
-) -> tuple[Look, str]:
-    """Return the file with the recipe to read it by, and a sentence where it is one that was kept."""
-    if recipe is not None:
-        return look_at(file, recipe=recipe), ""
-    if sessions is None or options != ImportOptions():
-        return look_at(file, options), ""
-    return look_with_kept(file, sessions)
 
 
 def _pieces(

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from identify.fitting.validation import UsualFrom, Validation, ValidationVerdict
-from station.results.documents import Document, Number, Part
+from station.results.documents import Document, Number, Part, RefusedSession
 from station.results.models import ModelFile
 
 NAME = "validation.json"
@@ -31,13 +31,6 @@ class ValidatedDocument(Part):
     worse: bool
 
 
-class SkippedDocument(Part):
-    """A session that was not predicted, and why."""
-
-    session: str
-    reason: str
-
-
 class ValidationDocument(Document):
     """The predictions of sessions by a model that was not fitted to them, and by the usual model.
 
@@ -58,7 +51,7 @@ class ValidationDocument(Document):
     motion_percent: Number
     usual_motion_percent: Number
     sessions: list[ValidatedDocument]
-    skipped: list[SkippedDocument]
+    skipped: list[RefusedSession]
 
 
 def validation_document(
@@ -71,7 +64,7 @@ def validation_document(
 ) -> ValidationDocument:
     """Make the document of a validation; `names` are those of the sessions predicted, `skipped` says why others were not."""
     sessions = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
-    why = [SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()]
+    why = [RefusedSession(session=name, reason=reason) for name, reason in skipped.items()]
     return ValidationDocument.of(
         found, format=1, source=source, fitted_to=fitted_to, model=model, sessions=sessions, skipped=why
     )

@@ -23,8 +23,8 @@ class Compared:
     baseline: Baseline
     comparison: Comparison
     judged: Baseline
-    words: str = "the usual model"
-    remark: str = ""
+    words: str
+    remark: str
 
     @property
     def error(self) -> ModelError:

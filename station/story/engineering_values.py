@@ -66,9 +66,9 @@ def times_mass(
 
 @dataclass(frozen=True)
 class Weighing:
-    """The mass in kg (kg m^2 for a displacement in rad), which converts strengths per unit mass to N, kg and s."""
+    """The mass in kg (kg m^2 for a displacement in rad), where it is known; it turns strengths into N, kg and s."""
 
-    mass: float
+    mass: float | None = None
     mass_std: float | None = None
     unit: str = "m"
 
@@ -76,11 +76,14 @@ class Weighing:
         """Find a force's strength, its first parameter, with the mass in it; None for what is no force of the library."""
         name, found = next(iter(parameters.items()), ("", None))
         known = any(e.name == effect and e.kind == "physics" for e in LIBRARY)
-        if not known or found is None or found.value is None:
+        if self.mass is None or not known or found is None or found.value is None:
             return None
         error = math.nan if found.std is None else found.std
         whole = times_mass(Estimate(found.value, error, found.unit), self.mass, self.mass_std, self.unit)
         return None if whole is None else (name, whole)
+
+
+UNKNOWN = Weighing()
 
 
 def engineering_values(

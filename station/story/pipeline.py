@@ -4,25 +4,22 @@
 - `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
-- `diagnose`: prepared decays, model -> what the model lacks
-- `refine`: prepared decay, model -> the ladder: the error, step by step, as effects are added
+- `identify.diagnosis.diagnose.diagnose`: prepared decays, model -> what the model lacks
+- `identify.diagnosis.diagnose.refine`: prepared decay, model -> the ladder: the error, step by step, as effects are added
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from daq.recording import Recording
 from identify.comparison.compare import compare_fitted as compare_baseline
-from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.segments import segments_of
-from identify.fitting.validation import LeftOut, leave_one_out
 from identify.free_decay import FreeDecay
-from identify.model.model import Model, base_model, model_of_orders
+from identify.model.model import model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
@@ -30,10 +27,8 @@ from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_w
 from station.story.adequacy import adequacy, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
+from station.story.known_model import KnownModel
 from station.story.preparation import Options, locate
-
-if TYPE_CHECKING:
-    from identify.diagnosis.diagnose import Diagnosis
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -47,7 +42,7 @@ _ROUNDS = 4
 DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
 
 
-def silent(text: str) -> None:
+def silent(*said: object) -> None:
     """Report no progress."""
 
 
@@ -120,24 +115,15 @@ def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = 
     return replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
-def compare(
-    name: str,
-    prepared: PreparedDecay,
-    model: Model | None = None,
-    known: dict[str, float] | None = None,
-    *,
-    mass: float | None = None,
-    words: str = "the usual model",
-    remark: str = "",
-) -> Compared:
+def compare(name: str, prepared: PreparedDecay, known: KnownModel) -> Compared:
     """Fit a model to the session `name` and find where it fails; a long record is judged in its pieces.
 
-    The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin from, by unknown's
-    name; with a `mass` (kg) forces are in N; `words` say which model it is, `remark` why it is not another.
+    Forces are in N where the mass is known.
     """
-    baseline = fit_baseline((prepared,), model or base_model(), known)
-    seen = compare_baseline(baseline, mass=mass)
-    return Compared(name, baseline, seen, _in_pieces(baseline, known or {}), words, remark)
+    start = known.start((prepared,))
+    baseline = fit_baseline((prepared,), known.model, start)
+    seen = compare_baseline(baseline, mass=prepared.mass)
+    return Compared(name, baseline, seen, _in_pieces(baseline, start or {}), known.words, known.remark)
 
 
 def _in_pieces(whole: Baseline, known: dict[str, float]) -> Baseline:
@@ -148,28 +134,3 @@ def _in_pieces(whole: Baseline, known: dict[str, float]) -> Baseline:
     physics = {name: known.get(name, found.value) for name, found in whole.fit.parameters.items()}
     start = initial_values(parts, whole.fit.model, physics)
     return fit_baseline(parts, whole.fit.model, start)
-
-
-def diagnose(
-    decays: tuple[PreparedDecay, ...],
-    model: Model | None = None,
-    known: dict[str, float] | None = None,
-    *,
-    library: tuple[Effect, ...] = LIBRARY,
-    worth: float = 0.0,
-    progress: Progress = silent,
-    steps: Progress = silent,
-) -> "tuple[Diagnosis, tuple[LeftOut, ...] | None]":
-    """Find out what a model lacks; with several releases also the error on each of what was found on the others.
-
-    `steps` gets each fit as it is counted, `progress` only the long steps.
-    """
-    from identify.diagnosis.diagnose import diagnose as diagnose_decays
-
-    chosen = model or base_model()
-    progress(f"trying {len(library) - len(chosen.terms)} effects")
-    found = diagnose_decays(decays, chosen, library=library, known=known, worth=worth, progress=steps)
-    if len(decays) < 2:
-        return found, None
-    progress("leaving one session out at a time")
-    return found, leave_one_out(found.final)

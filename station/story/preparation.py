@@ -44,10 +44,10 @@ def options_for(session: Session, settings: Settings, mass: float | None = None)
     return Options(*known, orders.max_order, orders.stiffness_orders)
 
 
-def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing | None:
-    """Make what turns strengths into N, kg and s for a displacement in `unit`; None where no mass is known."""
+def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing:
+    """Make what turns strengths into N, kg and s for a displacement in `unit`."""
     options = options_for(session, settings)
-    return None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
+    return Weighing(options.mass, options.mass_std, unit)
 
 
 def prepare_session(

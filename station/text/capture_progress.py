@@ -1,6 +1,5 @@
 """What the operator sees in the terminal while a board is being recorded."""
 
-import time
 from types import TracebackType
 from typing import Self
 
@@ -18,7 +17,7 @@ from station.safe_text import SafeConsole
 from station.text.numbers import scale_as_recorded
 
 BAR = 28
-REFRESH_S = 0.125
+REFRESH_HZ = 8
 
 STATES = {
     "resting": "rest",
@@ -41,24 +40,19 @@ class Watch(CaptureObserver):
     def __init__(self, also: CaptureObserver | None = None, console: Console | None = None) -> None:
         self._also = also or CaptureObserver()
         self._console = console or SafeConsole(stderr=True, highlight=False)
-        self._live: Live | None = None
+        self._live = Live(console=self._console, refresh_per_second=REFRESH_HZ, transient=True)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
         self._last = np.zeros(0)
-        self._shown = 0.0
 
     def __enter__(self) -> Self:
-        if self._console.is_terminal:
-            self._live = Live(console=self._console, auto_refresh=False, transient=True)
-            self._live.start()
+        self._live.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._live is not None:
-            self._live.stop()
-            self._live = None
+        self._live.stop()
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
         """Print which board answered and what it measures."""
@@ -76,7 +70,6 @@ class Watch(CaptureObserver):
             self._line(detail)
         else:
             self._line(f"{sentence}: {detail}" if detail else sentence)
-        self._refresh(force=True)
 
     def block(self, first_index: int, samples: Array) -> None:
         """Show the newest level of each channel, and the largest so far."""
@@ -85,7 +78,7 @@ class Watch(CaptureObserver):
             return
         self._last = samples[:, -1]
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
-        self._refresh()
+        self._live.update(self._levels())
 
     def loss(self, gap: Gap) -> None:
         """Print a loss at once."""
@@ -94,13 +87,6 @@ class Watch(CaptureObserver):
 
     def _line(self, text: str) -> None:
         self._console.print(Text(text), soft_wrap=True)
-
-    def _refresh(self, force: bool = False) -> None:
-        now = time.monotonic()
-        if self._live is None or (not force and now - self._shown < REFRESH_S):
-            return
-        self._shown = now
-        self._live.update(self._levels(), refresh=True)
 
     def _levels(self) -> Table:
         table = Table.grid(padding=(0, 2))

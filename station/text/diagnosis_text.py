@@ -1,20 +1,27 @@
 """A diagnosis in words: the verdict, the residual with each suspect, which are not distinguishable, what to record next."""
 
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
 from identify.diagnosis.verdict import HEADLINES
-from identify.formatting import DASH, among, plain_name, three_figures
+from identify.formatting import DASH, among, plain_name, three_figures, with_error
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import FindingDocument, SuspectDocument
-from station.story.engineering_values import Weighing
+from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument
+from station.results.documents import EstimateDocument
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
+from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import typeset, with_names, with_unit
-from station.text.shares_text import shares_tables
+from station.text.numbers import scale, typeset, typeset_unit, with_names, with_unit
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
+_DECIMALS = {"%": 2, "Hz": 5}
+_FIGURES = 4
 
 
 def headline(document: DiagnosisDocument) -> str:
@@ -28,7 +35,7 @@ def tone_of(document: DiagnosisDocument) -> Tone:
     return TONES.get(document.verdict, "bad")
 
 
-def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full: bool = False) -> Told:
+def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: bool = False) -> Told:
     """Tell a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too.
 
     `full` puts all suspects into the table, with the reason for each.
@@ -37,23 +44,18 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     brief: list[Part] = []
     if document.noise_floor is not None:
         brief.append(residuals(document, MOST_SUSPECTS if full else few, full=full))
-    first = "" if named or full else _first_sentence(document.explanation)
+    first, stop, _ = typeset(document.explanation).partition(". ")
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
     record = [] if named else [("record next", document.next_experiment)]
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
-    brief += [Paragraph(first)] if first else []
+    brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
     rest = [("record next", document.next_experiment)] if named else []
     more += facts((*_facts(document), *sensor[1:], *mend, *rest))
     return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
-
-
-def _first_sentence(text: str) -> str:
-    head, stop, _ = typeset(text).partition(". ")
-    return head + stop.strip()
 
 
 def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: bool = False) -> Table:
@@ -148,18 +150,14 @@ def parameters(found: SuspectDocument | FindingDocument) -> str:
     return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
 
 
-def _values(document: DiagnosisDocument, weighing: Weighing | None) -> str:
+def _values(document: DiagnosisDocument, weighing: Weighing) -> str:
     """Write the values of what is named; the strength in N, kg and s where the mass is known."""
     texts = []
     for suspect in document.suspects:
         if suspect.effect not in document.named:
             continue
         text = parameters(suspect)
-        if (
-            weighing
-            and suspect.strength_known
-            and (whole := weighing.strength(suspect.effect, suspect.parameters))
-        ):
+        if suspect.strength_known and (whole := weighing.strength(suspect.effect, suspect.parameters)):
             text += f" ({whole[0]} times the mass: {with_unit(whole[1])})"
         texts.append(f"{plain_name(suspect.effect)}: {text}" if len(document.named) > 1 else text)
     return "; ".join(texts)
@@ -236,3 +234,50 @@ def not_distinguishable(document: DiagnosisDocument) -> str:
     rivals = among([plain_name(name) for name in document.rivals], "or")
     record = "this record" if len(document.sessions) < 2 else "these records"
     return f"{record} cannot distinguish {plain_name(document.named[0])} from {rivals}"
+
+
+def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
+    """Make a table for the largest and one for the smallest amplitude, an effect a row; none where nothing is known."""
+    found = []
+    for which, at in zip(("largest", "smallest"), shares, strict=False):
+        factor, unit = scale("displacement", at.unit)
+        rows = tuple(
+            (one.effect, _cell(one.force), three_figures(one.force_percent.value), _cell(one.loss_percent),
+             _cell(one.frequency_percent))
+            for one in at.effects
+        )  # fmt: skip
+        size = f"{three_figures(factor * (at.amplitude or 0.0))} {unit}"
+        head = (
+            f"at {size},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
+            "of all but\nspring, %", "of the loss\n%", "frequency\nraised by %",
+        )  # fmt: skip
+        found.append(Table("", head, rows))
+    return tuple(found)
+
+
+def _cell(found: EstimateDocument) -> str:
+    """Write four figures of a value, or two decimals of a percentage, with the error rounded up; "0" for none."""
+    value, std = found.value, found.std
+    if value is None or (value == 0.0 and std == 0.0):
+        return DASH if value is None else "0"
+    if found.unit not in _DECIMALS and not 1e-3 <= abs(value) < 1e5:
+        return three_figures(value) if std is None else with_error(value, std)
+    most = _DECIMALS.get(found.unit) or max(_FIGURES - 1 - math.floor(math.log10(abs(value))), 0)
+    if std is None:
+        return f"{value:.{most}f}"
+    decimals = min(max(-math.floor(math.log10(std)), 0) if std > 0.0 else most, most)
+    up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals
+    return f"{value:.{decimals}f} ± {up:.{decimals}f}"
+
+
+def next_command(document: DiagnosisDocument, folders: list[Path]) -> tuple[str | Path, ...]:
+    """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
+    if document.named and document.verdict in ("missing_effect", "sensor_fault"):
+        return ("refine", folders[0], "--add", document.named[0])
+    if document.verdict == "unknown_effect" and document.shape is not None and document.shape.coordinates:
+        return ("refine", folders[0], "--add", MEASURED_CURVE)
+    if document.verdict == "nothing_missing":
+        return ("report", folders[0])
+    if document.of_sessions:
+        return ("diagnose", folders[0])
+    return () if document.verdict == "not_enough_data" else ("diagnose", *folders, "ANOTHER_RELEASE")

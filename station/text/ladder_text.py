@@ -1,10 +1,11 @@
 """The ladder in words: for each step the effect added, the residual and what changed; the noise comes last."""
 
 import math
+from pathlib import Path
 
 from identify.formatting import three_figures
 from station.results.ladder import KeptLadder, KeptStep
-from station.story.engineering_values import Weighing
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
@@ -14,7 +15,7 @@ MOST_CHANGED, FEW_CHANGED = 3, 2
 NOTICED = 2.0
 
 
-def told(ladder: KeptLadder, weighing: Weighing | None = None) -> Told:
+def told(ladder: KeptLadder, weighing: Weighing = UNKNOWN) -> Told:
     """Tell a ladder up to the present step, and which steps are above it.
 
     With a `weighing` the strengths that changed stand in N, kg and s beside those per unit mass.
@@ -61,10 +62,10 @@ def step_words(step: KeptStep) -> str:
     return step.began
 
 
-def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing | None = None) -> list[str]:
+def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing) -> list[str]:
     """List the parameters that the step added, and those that it changed most, in standard errors of the fit before."""
     found = []
-    weighed = {} if weighing is None else with_mass(after, weighing)
+    weighed = with_mass(after, weighing)
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         whole = f" (times the mass: {weighed[name]})" if name in weighed else ""
@@ -87,3 +88,11 @@ def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
     return {
         f"{effect}.{whole[0]}": with_unit(whole[1]) for effect, whole in found.items() if whole is not None
     }
+
+
+def next_command(ladder: KeptLadder, folder: Path) -> tuple[str | Path, ...]:
+    """Choose the command that comes next: without what is of no use, else on until the floor is reached."""
+    if f"--remove {ladder.top.added}" in ladder.stopped_because:
+        return ("refine", folder, "--remove", ladder.top.added)
+    on = ladder.verdict is None and not ladder.top.at_floor
+    return ("refine", folder, "--auto") if on else ("report", folder)

@@ -10,10 +10,9 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from identify.formatting import SPACE
-from station.output import print_json, screen
+from station.output import next_line, print_json, screen
 from station.plain_letters import writable
 from station.text.content import Facts, Paragraph, Part, Table, Told
-from station.text.next_step import next_line
 
 LABEL_WIDTH = 12
 MOST_LINES, FEWEST = 12, 1

@@ -2,7 +2,7 @@
 
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name, three_figures
-from station.results.validation_document import PredictionDocument, ValidationDocument
+from station.results.validation_document import ValidationDocument
 from station.story.residual import noise_multiple
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
@@ -45,19 +45,16 @@ def _refitted(document: ValidationDocument) -> str:
     """Say what was refitted, and by how much the linear spring and damper moved at most."""
     if document.held:
         return "Start, zero, lag, gain and offsets of each session; all physics was held."
+    varied = [one.model.varied_percent for one in document.sessions]
+    moved = [
+        f"{name} by {max(abs(one.get(name) or 0.0) for one in varied):.2g} %"
+        for name in dict.fromkeys(name for one in varied for name in one)
+    ]
+    most = f" (largest change: {', '.join(moved)})" if moved else ""
     return (
         "Start, zero, lag, gain and offsets of each session; the linear spring within 1 %, viscous damping within the "
-        f"mean loss{_most([one.model for one in document.sessions])}."
+        f"mean loss{most}."
     )
-
-
-def _most(found: list[PredictionDocument]) -> str:
-    """State the largest changes of the model's own spring and damper."""
-    parts = []
-    for name in dict.fromkeys(name for one in found for name in one.varied_percent):
-        moved = max(abs(one.varied_percent.get(name) or 0.0) for one in found)
-        parts.append(f"{name} by {moved:.2g} %")
-    return f" (largest change: {', '.join(parts)})" if parts else ""
 
 
 def _left(value: float | None) -> str:

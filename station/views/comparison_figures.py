@@ -1,7 +1,6 @@
 """Where a model fails, in figures: measurement and model, the phase plane, cycle by cycle."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +9,8 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 NOISE = 2.0
 SURE = 3.0
@@ -22,22 +18,7 @@ COARSE = 5000.0
 TOO_MANY_DOTS = 60
 
 
-def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
-    """Draw one channel as it was measured, and the model run freely."""
-    window = fit.windows[0]
-    factor, name = scale(channel, window.unit)
-    measured = np.where(window.used[channel], window.readings[channel], np.nan)
-    model = fit.predicted[0][channel] * factor
-    axis.plot(
-        window.clock, measured * factor, label="measured", color=look.broad, lw=2.4, solid_capstyle="round"
-    )
-    axis.plot(window.clock, model, label="model", color=look.model, lw=0.8)
-    axis.set_ylabel(literal(f"{channel}\n[{name}]"))
-    axis.legend(loc="upper right", ncols=2)
-    axis.margins(y=0.16)
-
-
-def residual(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
+def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     window = fit.windows[0]
     left = np.where(window.used[channel], fit.residual(channel), np.nan)
@@ -59,7 +40,14 @@ def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
     channel = window.channels[0]
     ratios = [1.6] + [1.0] * len(fits)
     drawn, axes = figure(look, 1.7 + 0.95 * len(fits), 1 + len(fits), sharex=True, height_ratios=ratios)
-    measured_and_model(axes[0], last, channel, look)
+    factor, name = scale(channel, window.unit)
+    measured = np.where(window.used[channel], window.readings[channel], np.nan) * factor
+    model, top = last.predicted[0][channel] * factor, axes[0]
+    top.plot(window.clock, measured, label="measured", color=look.broad, lw=2.4, solid_capstyle="round")
+    top.plot(window.clock, model, label="model", color=look.model, lw=0.8)
+    top.set_ylabel(literal(f"{channel}\n[{name}]"))
+    top.legend(loc="upper right", ncols=2)
+    top.margins(y=0.16)
     for axis, (words, fit) in zip(axes[1:], fits, strict=True):
         residual(axis, fit, channel, look)
         axis.set_title(literal(words), fontsize=8)
@@ -104,7 +92,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
 
 
 def _section(
-    axis: "Axes",
+    axis: Axes,
     cut: ForceSection,
     factor: float,
     units: DiscrepancyText,

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import fill
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,11 +14,8 @@ from identify.formatting import plain_name
 from station.results.diagnosis_parts import CurveDocument
 from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale, scale_as_recorded
-from station.views.figure import Picture, figure, literal
+from station.views.figure import Axes, Picture, figure, literal
 from station.views.palette import PAPER, Look
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 COLOURS = ("#0072b2", "#b35900", "#00795a", "#a0527f", "#6b6b00", "#444444")
 MARKS = ("o", "s", "^", "v", "D", "P")
@@ -73,7 +69,7 @@ def measured_curve(curve: MeasuredCurve, look: Look = PAPER) -> Picture:
     return drawn
 
 
-def _along(position: Array, value: Array, std: Array, unit: str, look: Look) -> tuple[Picture, "Axes"]:
+def _along(position: Array, value: Array, std: Array, unit: str, look: Look) -> tuple[Picture, Axes]:
     """Draw a curve with two standard errors over a position, whose unit is the axis' label."""
     drawn, (axis,) = figure(look, 2.4, width=4.2)
     factor, name = scale_as_recorded("displacement" if unit == "m" else "", unit)
@@ -128,7 +124,7 @@ def curves(found: DecayCurves, names: Sequence[str], look: Look = PAPER) -> Pict
 
 
 def _release(
-    axis: "Axes", panel: Panel, curve: AmplitudeCurve, factor: float, look: tuple[str, str], name: str
+    axis: Axes, panel: Panel, curve: AmplitudeCurve, factor: float, look: tuple[str, str], name: str
 ) -> None:
     colour, mark = look
     edge = axis.get_facecolor()
@@ -140,7 +136,7 @@ def _release(
     axis.plot(x, y, mark, color=colour, ms=4.2, mew=0.4, mec=edge, zorder=3, label=literal(name))
 
 
-def _law(axis: "Axes", panel: Panel, laid: LaidOver, factor: float, look: Look, style: str) -> None:
+def _law(axis: Axes, panel: Panel, laid: LaidOver, factor: float, look: Look, style: str) -> None:
     colour = (
         look.model if laid.law.role == "named" else look.ink if laid.law.role == "usual" else look.measured
     )

@@ -2,8 +2,9 @@
 
 import base64
 import re
+from contextlib import AbstractContextManager
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from identify.arrays import Array
 from station.text.numbers import typeset
@@ -14,13 +15,9 @@ with unseen("matplotlibrc"):
     import matplotlib
 
 # isort: split
+from matplotlib.axes import Axes as Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-
-    from matplotlib.axes import Axes
 
 WIDTH = 6.9
 _PATH = re.compile(rb'\bd="[^"]*"')
@@ -53,7 +50,7 @@ STYLE: dict[Any, Any] = {
 _INKED = ("axes.labelcolor", "axes.titlecolor", "text.color", "xtick.color", "ytick.color")
 
 
-def inked(look: Look) -> "AbstractContextManager[None]":
+def inked(look: Look) -> AbstractContextManager[None]:
     """Draw in the colours of a look, within a `with`; what is written in them later needs them again."""
     inks = dict.fromkeys(_INKED, look.ink) | {"axes.edgecolor": look.faint, "grid.color": look.faint}
     return matplotlib.rc_context(STYLE | inks | {"figure.facecolor": look.paper})
@@ -86,7 +83,7 @@ class Picture(Figure):
 
 def figure(
     look: Look, height: float, rows: int | str = 1, columns: int = 1, width: float = WIDTH, **how: Any
-) -> tuple[Picture, list["Axes"]]:
+) -> tuple[Picture, list[Axes]]:
     """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`.
 
     `rows` may be a mosaic, as "aa;bc" for a wide pair of axes over two others.
@@ -106,14 +103,14 @@ def literal(text: str) -> str:
     return typeset(text).replace("$", r"\$")
 
 
-def zero_lines(axis: "Axes", look: Look) -> None:
+def zero_lines(axis: Axes, look: Look) -> None:
     """Draw the axes through zero."""
     axis.axhline(0, color=look.faint, lw=0.7)
     axis.axvline(0, color=look.faint, lw=0.7)
 
 
 def points(
-    axis: "Axes", x: Array, y: Array, std: Array | None, form: str, colour: str, label: str = ""
+    axis: Axes, x: Array, y: Array, std: Array | None, form: str, colour: str, label: str = ""
 ) -> None:
     """Draw points with two standard errors, where those are known; `form` as matplotlib takes it."""
     error = None if std is None else 2 * std

@@ -1,7 +1,6 @@
 """The record and both identifications in figures."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +13,8 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded
-from station.views.figure import Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
@@ -80,7 +76,7 @@ def frequency_reach(found: WaveletResult) -> tuple[float, float]:
     return middle, max(1.5 * spread, 0.01 * middle)
 
 
-def _backbone(axis: "Axes", found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:
+def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:
     """Draw amplitude in a unit (factor, name) over frequency on the ridge, and of the fit; `half` the width in Hz."""
     every = max(1, len(found.backbone_frequency) // MOST_DOTS)
     amplitude = found.backbone_amplitude[::every] * unit[0]
@@ -141,7 +137,7 @@ def orders(result: Identification, look: Look = PAPER) -> Picture:
     return drawn
 
 
-def _significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> None:
+def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     """Draw the share of the variance of each term of the restoring force, eq. (19), on a logarithmic axis."""
     terms = sorted(percent.items(), key=lambda item: -item[1])
     values = [max(value, LEAST_SHARE) for _, value in terms]

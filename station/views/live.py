@@ -1,6 +1,7 @@
 """The live view of a capture: levels and both channels as they come, the trigger, the losses."""
 
-from typing import Self
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import rerun as rr
@@ -82,21 +83,17 @@ def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
     return log.blueprint([rrb.Horizontal(curves, events, column_shares=[2, 1], name="Live")], follow=True)
 
 
-class LiveViewer:
-    """A viewer window for one capture, with a `view` to give to it; stays open afterwards."""
-
-    def __init__(self, rate: float) -> None:
-        port = free_port()
-        self.url = f"rerun+http://{HOST}:{port}/proxy"
-        start("--port", str(port), "--hide-welcome-screen")
-        wait_for(port)
-        self._stream = rr.RecordingStream(APPLICATION, send_properties=False)
-        self._stream.connect_grpc(self.url)
-        self.view = LiveView(self._stream, rate)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stream.flush()
-        self._stream.disconnect()
+@contextmanager
+def live_viewer(rate: float) -> Iterator[tuple[str, LiveView]]:
+    """Open a viewer window for one capture; give its URL, and the view to give to the capture. It stays open afterwards."""
+    port = free_port()
+    url = f"rerun+http://{HOST}:{port}/proxy"
+    start("--port", str(port), "--hide-welcome-screen")
+    wait_for(port)
+    stream = rr.RecordingStream(APPLICATION, send_properties=False)
+    stream.connect_grpc(url)
+    try:
+        yield url, LiveView(stream, rate)
+    finally:
+        stream.flush()
+        stream.disconnect()

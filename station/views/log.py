@@ -5,14 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 from rerun.blueprint.archetypes import PlotBackground
 
+from identify.arrays import Array
 from station.text.numbers import typeset
 from station.views.figure import Picture
 from station.views.palette import Look
 
-Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
 Line = tuple[str, Array, Colour, float]
 """A curve: its name with its unit, its values, its colour, and how wide it is drawn."""

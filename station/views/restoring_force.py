@@ -9,7 +9,6 @@ from station.story.identification import Identification
 from station.text.numbers import scale
 from station.views import identification_figures as figures
 from station.views import log, palette
-from station.views.log import Array
 from station.views.palette import Look
 from station.views.tabs import refused
 
@@ -42,6 +41,8 @@ def tab(stream: rr.RecordingStream, look: Look, name: str, result: Identificatio
 
 def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
     """Draw the surface and the measured points in a cube: displacement, velocity and force each from -1 to 1."""
+    import matplotlib  # which the figures have loaded blind to the working folder
+
     measured = (found.displacement, found.velocity, found.force)
     reach = np.array([_round_up(np.max(np.abs(values))) for values in measured])
     vertices, triangles = figures.mesh(found)
@@ -65,7 +66,9 @@ def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, lengt
             rr.Mesh3D(
                 vertex_positions=placed,
                 triangle_indices=triangles,
-                vertex_colors=_colours(placed[:, 2]),
+                vertex_colors=matplotlib.colormaps["viridis"](
+                    (np.clip(placed[:, 2], -1, 1) + 1) / 2, bytes=True
+                ),
                 face_rendering="DoubleSided",
             ),
         ),
@@ -85,11 +88,3 @@ def _round_up(value: float) -> float:
     return float(
         next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * 0.999)
     )
-
-
-def _colours(height: Array) -> Array:
-    import matplotlib
-
-    table = matplotlib.colormaps["viridis"]((np.clip(height, -1, 1) + 1) / 2)
-    colours: Array = (table * 255).astype(np.uint8)
-    return colours

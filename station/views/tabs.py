@@ -4,6 +4,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from identify.arrays import Array
 from station.story.identification import Identification
 from station.text.content import markdown
 from station.text.identification_text import lag_words, told, uncorrected
@@ -145,8 +146,8 @@ def results(stream: rr.RecordingStream, look: Look, name: str, result: Identific
 def _rebuilt(
     stream: rr.RecordingStream,
     what: str,
-    time: log.Array,
-    pair: tuple[log.Array, log.Array],
+    time: Array,
+    pair: tuple[Array, Array],
     units: tuple[tuple[float, str], tuple[float, str]],
     colour: log.Colour,
 ) -> list[rrb.View]:

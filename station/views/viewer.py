@@ -19,7 +19,14 @@ VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
 
-FILES = ("index.html", "re_viewer.js", "re_viewer_bg.wasm", "favicon.ico")
+FILES = {
+    "index.html": "text/html",
+    "re_viewer.js": "text/javascript",
+    "re_viewer_bg.wasm": "application/wasm",
+    "favicon.ico": "image/x-icon",
+}
+"""Those that a browser needs, with their media types."""
+
 OUTSIDE = re.compile(rb"<link\b[^>]*https?://[^>]*>")
 """Fonts from elsewhere: a policy would block the sheet, but not the connection that is opened ahead."""
 
@@ -43,7 +50,7 @@ def executable() -> str:
 
 
 def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Popen[bytes]":
-    """Start a viewer as a process of its own, listening on 127.0.0.1 only; `more` joins its environment."""
+    """Start a viewer as a process that outlives this one, listening on 127.0.0.1 only; `more` joins its environment."""
     return subprocess.Popen(
         [executable(), *arguments, "--bind", HOST],
         stdin=subprocess.DEVNULL,
@@ -52,11 +59,6 @@ def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Po
         start_new_session=True,
         env=os.environ | {"RUST_LOG": "error"} | (more or {}),
     )
-
-
-def open_viewer(file: Path) -> None:
-    """Open a recording in a viewer that outlives this command."""
-    start(str(file), "--port", "auto")
 
 
 def free_port() -> int:

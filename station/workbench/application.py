@@ -10,6 +10,7 @@ from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, R
 from station.operations.identifying import VIEW
 from station.report.write import NAME
 from station.settings import Settings
+from station.views.viewer import FILES
 from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
 from station.workbench.page import Page
@@ -26,12 +27,6 @@ ICON = (
     '<path d="M3 16C6 2 8 2 11 16s4 9 6 0 3-5 5 0 3 2 7 0" fill="none" stroke="#fff" stroke-width="2"/></svg>'
 )
 
-TYPES = {
-    "index.html": "text/html",
-    "re_viewer.js": "text/javascript",
-    "re_viewer_bg.wasm": "application/wasm",
-    "favicon.ico": "image/x-icon",
-}
 WITH_COOKIE = (
     "<script>const ask = window.fetch; "
     "window.fetch = (what, how) => ask(new Request(what, {...how, credentials: 'same-origin'}))</script>"
@@ -99,9 +94,9 @@ def serve_files(app: FastAPI, viewer: Path, session_list: SessionList) -> None:
 
     @app.get("/viewer/{name}")
     def part(name: str) -> Response:
-        if name not in TYPES or not (viewer / name).is_file():
+        if name not in FILES or not (viewer / name).is_file():
             return PlainTextResponse("no such file\n", 404)
         if name == "index.html":
             page = (viewer / name).read_text(encoding="utf-8").replace("<head>", f"<head>{WITH_COOKIE}", 1)
             return HTMLResponse(page)
-        return FileResponse(viewer / name, media_type=TYPES[name])
+        return FileResponse(viewer / name, media_type=FILES[name])

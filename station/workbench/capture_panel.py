@@ -21,7 +21,6 @@ from station.workbench.app_state import AppState
 from station.workbench.capture_run import CaptureRun, Progress, mystery
 from station.workbench.parts import begun, part
 from station.workbench.session_list import address_of
-from station.workbench.widgets import run
 
 TICK_S = 0.1
 KINDS = {"armed": "floor", "recording": "preview"}
@@ -203,4 +202,4 @@ class ScopePanel:
         lost = f" {now.lost} samples lost so far; they are asked for again." if now.lost else ""
         self._more.text = typeset(f"{now.detail}{lost}")
         self._levels.content = part("levels", now.levels)
-        run(f"bench.scope({json.dumps(asdict(now.scope))})")
+        ui.run_javascript(f"bench.scope({json.dumps(asdict(now.scope))})")

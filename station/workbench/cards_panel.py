@@ -15,7 +15,6 @@ from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.statements import called
 from station.workbench.view_models import MOST_CARDS, Drawn, View
-from station.workbench.widgets import run
 from station.workbench.worker import Failed
 
 
@@ -78,7 +77,7 @@ class OwnCard:
     async def _changed(self, text: str) -> None:
         self._typed = text
         self._button.disable()
-        run("bench.own(null)")
+        ui.run_javascript("bench.own(null)")
         if not text.strip():
             self._say("faint", HELP)
             return
@@ -100,7 +99,7 @@ class OwnCard:
         (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
         self._say("good", f"{says['what']}. Point here to see it again.")
-        run(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': called(text)})})")
+        ui.run_javascript(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': called(text)})})")
 
     def _say(self, kind: str, text: str) -> None:
         """Say how the expression is; one that is good can be added."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from identify.arrays import Array
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import shoot
 from identify.comparison.residual_force import estimate_extra_force
@@ -27,8 +28,6 @@ FEWEST = 4
 
 UNKNOWN = 8.0
 """Times the median standard error above which nothing is known of a cell."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +55,7 @@ def frame_id(model: ModelFile) -> str:
     return hashlib.sha256(model.model_dump_json().encode()).hexdigest()[:16]
 
 
-def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
+def ground_of(prepared: PreparedDecay, fit: Fit) -> Ground:
     """Settle the axes and cells of a session. They depend on the release alone, not on a model; `fit` gives its window.
 
     The stage holds `time` (s since the release); `traces`, one for each channel: its name, the measured `values` in `unit`,
@@ -66,7 +65,7 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
     displacement "u", velocity "v" and force "f".
     """
     window, motion = fit.windows[0], prepared.motion
-    units, frequency = DiscrepancyText(window.unit, mass), prepared.frequency
+    units, frequency = DiscrepancyText(window.unit, prepared.mass), prepared.frequency
     u, w = motion.displacement, motion.velocity / frequency
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))

@@ -10,9 +10,15 @@ from daq.recording import Array, Channel, Recording
 from daq.session import Session
 from identify.fitting.fit import Fit
 from identify.preprocessing.prepared_decay import PreparedDecay
+from station.operations import examples
 from station.operations.exporting import facts_of
+from station.operations.identifying import identify_session, kept_options, write_view
+from station.operations.mystery import hidden_words, what_was_hidden
+from station.operations.viewer_tabs import kept_tabs
+from station.report.write import write_report
 from station.results.ladder import read_ladder
 from station.settings import Settings
+from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
 from station.workbench.parts import part
 from station.workbench.worker import Say
@@ -59,8 +65,6 @@ def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Expor
 
 def reveal(settings: Settings, say: Say, folder: Path) -> str:
     """Say what the board of a mystery hid, and whether the present model has it."""
-    from station.operations.mystery import hidden_words, what_was_hidden
-
     session = Session.open(folder)
     truth, ladder = what_was_hidden(session), read_ladder(session)
     hidden = truth["hidden"]
@@ -72,24 +76,18 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
 
 def open_example(settings: Settings, say: Say, name: str) -> str:
     """Import a recording that comes with the station, unless it is there already; return its session's name."""
-    from station.operations import examples
-
     return examples.open_example(name, settings.sessions).folder.name
 
 
 def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: str, dark: bool) -> str:
     """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
-    from station.operations.identifying import identify_session, kept_options, write_view
-    from station.operations.viewer_tabs import kept_tabs
-    from station.views import viewer
-
     session = Session.open(folder)
     say("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
-    if not (temporary / viewer.FILES[0]).is_file():
-        viewer.unpack(temporary)
+    if not (temporary / "index.html").is_file():
+        unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one
     recording, theme = quote(f"http://{host}/{place}", safe=""), "dark" if dark else "light"
     return part("viewer", f"/viewer/index.html?url={recording}&hide_welcome_screen=1&theme={theme}")
@@ -97,8 +95,6 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
 
 def report(settings: Settings, say: Say, folder: Path) -> str:
     """Write the report of a session; return the way to it as HTML."""
-    from station.report.write import write_report
-
     say("writing the report")
     write_report(Session.open(folder), settings=settings, progress=say)
     return part("report", f"/report/{quote(folder.name, safe='')}")

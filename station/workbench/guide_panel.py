@@ -134,7 +134,9 @@ class GuidePanel:
                 widgets.button("Begin", self._begin, "Begin the guided test", strong=True, classes="wide")
                 widgets.button("No board? On a simulated rig", self._simulate, classes="wide")
             self._place = widgets.html().props("aria-live=polite")
-            self._stop = widgets.button("Stop", self._cancel, "Stop the guided test")
+            self._stop = widgets.button(
+                "Stop", lambda: self._run.cancel() if self._run else None, "Stop the guided test"
+            )
             self._stop.set_visibility(False)
         ui.timer(TICK_S, self._tick)
 
@@ -160,10 +162,6 @@ class GuidePanel:
             return
         folder = new_folder(self._settings.sessions, "guide")
         self._run = GuideRun(board, GuidedTest("", wanted, limits, folder, self._settings, alone))
-
-    def _cancel(self) -> None:
-        if self._run is not None:
-            self._run.cancel()
 
     def _tick(self) -> None:
         if self._run is None or self._run.now is self._shown:

@@ -4,11 +4,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from daq.importing.apply import matched
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
+from daq.importing.reading import read_table
 from daq.importing.recipe import Recipe
+from station.campaign import files as campaign_files
+from station.campaign.sources import FOLDER, Request, find_sources
+from station.campaign.together import campaign
 from station.exits import UsageProblem
+from station.operations.new_session import session_info
+from station.results.kept_recipes import look_with_kept
+from station.results.sessions import import_file
 from station.settings import Settings
+from station.text.campaign_text import told
+from station.text.content import Paragraph
 from station.workbench.parts import part
 from station.workbench.session_list import outline
 from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
@@ -30,10 +40,6 @@ def import_files(
     Several are read by one `recipe`, with numbers in their `names` and what `varies`, as `station campaign --recipe` does.
     Raises UsageProblem where none of several can be read.
     """
-    from station.operations.new_session import session_info
-    from station.results.kept_recipes import look_with_kept
-    from station.results.sessions import import_file
-
     first, *others = files
     say(f"reading {first.name}")
     try:
@@ -53,9 +59,6 @@ def import_files(
 
 
 def _question(file: Path, recipe: Recipe, sentence: str) -> ImportQuestion:
-    from daq.importing.apply import matched
-    from daq.importing.reading import read_table
-
     table = read_table(file, recipe)
     found = {id(field): number for number, field in matched(table, recipe).items()}
     columns = {column.number: column for column in table.columns}
@@ -76,18 +79,11 @@ def _campaign(
     names: str,
     varies: str,
 ) -> Imported:
-    from station.campaign.files import Names, import_files
-    from station.campaign.sources import FOLDER, Request, find_sources
-    from station.campaign.together import campaign
-    from station.operations.new_session import session_info
-    from station.text.campaign_text import told
-    from station.text.content import Paragraph
-
     info = session_info(settings, mass, varies=varies.split(","))
-    form = Names(names) if names.strip() else None
+    form = campaign_files.Names(names) if names.strip() else None
     lines: list[str] = []
     made = []
-    for folder in import_files(files, settings.sessions, recipe, form, {}, info, lines.append):
+    for folder in campaign_files.import_files(files, settings.sessions, recipe, form, {}, info, lines.append):
         say(f"read as {folder.name}")
         made.append(str(folder))
     if not made:

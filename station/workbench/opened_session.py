@@ -12,9 +12,8 @@ from station.operations.refining import Refinement, open_refinement, step_again
 from station.results import diagnosis_document
 from station.results.diagnosis_pictures import refitted
 from station.results.ladder import LADDER, KeptStep, read_ladder
-from station.results.models import ModelFile, known_model, starting_values
+from station.results.models import ModelFile, known_model
 from station.settings import Settings
-from station.story.preparation import options_for
 from station.workbench.frames import Ground, frame_id, frame_of, ground_of
 from station.workbench.view_models import Drawing
 
@@ -27,11 +26,10 @@ class Opened:
     """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
     `stamp` changes when the session does. `drawn` are the frames and fits of models, by the frame's name, and `ground` is
-    settled by the first of them. `mass` is in kg.
+    settled by the first of them.
     """
 
     stamp: tuple[object, ...]
-    mass: float | None
     begun: Refinement
     refinement: Refinement
     ground: Ground | None = None
@@ -43,7 +41,7 @@ class Opened:
         if name not in self.drawn:
             found = fitted()
             if self.ground is None:
-                self.ground = ground_of(self.refinement.prepared, found, self.mass)
+                self.ground = ground_of(self.refinement.prepared, found)
             while len(self.drawn) >= MOST_KEPT:
                 del self.drawn[next(iter(self.drawn))]
             self.drawn[name] = frame_of(self.ground, found), found
@@ -80,7 +78,7 @@ def open_session(settings: Settings, folder: Path) -> Opened:
         while len(_opened) >= MOST_OPEN:
             del _opened[next(iter(_opened))]
         begun = open_refinement(session, settings)
-        known = _opened[folder] = Opened(stamp, options_for(session, settings).mass, begun, begun)
+        known = _opened[folder] = Opened(stamp, begun, begun)
     known.refinement = known.begun if ladder is None else replace(known.begun, ladder=ladder, session=session)
     return known
 
@@ -92,8 +90,8 @@ def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
         return found
     known = known_model(step.model, "the ladder", refinement.library)
     alone = {name: value for name, value in step.nuisances.items() if "[" not in name}
-    start = starting_values(known, (refinement.prepared,)) | alone
-    return fit_baseline((refinement.prepared,), known.model, start).fit
+    start = known.start((refinement.prepared,)) or {}
+    return fit_baseline((refinement.prepared,), known.model, start | alone).fit
 
 
 def kept_diagnosis(session: Session) -> diagnosis_document.DiagnosisDocument | None:

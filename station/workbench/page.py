@@ -1,16 +1,18 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
 import time
+from collections.abc import Callable
+from typing import Any
 
 from nicegui import background_tasks, ui
 
-from station.workbench import further_tasks, telling, widgets
-from station.workbench.actions import actions
+from identify.formatting import plain_name
+from station.operations import refining
+from station.workbench import further_tasks, tasks, telling, widgets
 from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
-from station.workbench.empty_middle import EmptyMiddle
 from station.workbench.guide_panel import GuidePanel
 from station.workbench.others_menu import others_menu, validate_dialog
 from station.workbench.parts import part
@@ -20,7 +22,7 @@ from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.statements import switched_off
 from station.workbench.waiting import BusyLine, TellingPanel
-from station.workbench.widgets import run
+from station.workbench.worker import Failed
 
 TICK_S = 0.05
 SLOW_S = 0.4
@@ -58,7 +60,7 @@ class Page:
                 with self._right:
                     self._ladder = widgets.html("contents", self._does)
         self._right.set_visibility(False)
-        run("bench.showTheme()")
+        ui.run_javascript("bench.showTheme()")
         if self._session is not None:
             self._session.news.subscribe(self._tick)
             self._session.open()
@@ -66,7 +68,9 @@ class Page:
 
     def _build_header(self) -> None:
         turn = "Show or hide sessions and recording"
-        rail = widgets.button("Sessions", lambda: run("bench.turnRail()"), turn, classes="rail-button")
+        rail = widgets.button(
+            "Sessions", lambda: ui.run_javascript("bench.turnRail()"), turn, classes="rail-button"
+        )
         rail.props("aria-controls=rail").set_visibility(self._key is not None)
         ui.link("Free-Decay Station", "/").classes("bench-title")
         widgets.label(self._key or "workbench", "bench-session")
@@ -98,7 +102,7 @@ class Page:
 
     def _build_tabs(self, session: SessionState) -> None:
         sessions, self._feed = self._state.session_list, StageFeed(session)
-        self._does = actions(session, self._write_report, validate_dialog(session, sessions).open)
+        self._does = self._actions(session, validate_dialog(session, sessions).open)
         with ui.tab_panels(self._head_tabs, value=STORY, animated=False, keep_alive=True).classes("panels"):
             with ui.tab_panel(STORY).classes("story-panel"):
                 widgets.html("contents").content = part("statement")
@@ -122,6 +126,29 @@ class Page:
             with ui.tab_panel(RERUN):
                 self._viewer = TellingPanel(session, further_tasks.viewer, "Writing the viewer's recording")
 
+    def _actions(self, session: SessionState, validate: Callable[[], Any]) -> dict[str, Callable[[str], Any]]:
+        """Name what a click on an element of `parts.html` does, by the name that the element carries."""
+
+        async def reveal(_: str) -> None:
+            try:
+                session.notice = await session.ask(further_tasks.reveal)
+            except Failed as failure:
+                session.notice = str(failure)
+            session.changed()
+
+        return {
+            "add": session.add,
+            "diagnose": lambda _: session.diagnose(),
+            "refine": lambda _: session.start("Refining", tasks.refine, long=True),
+            "reveal": reveal,
+            "go": lambda place: session.change(f"Going to step {place}", refining.go_to, int(place)),
+            "undo": lambda _: session.undo(),
+            "remove": lambda name: session.change(f"Taking {plain_name(name)} out", refining.remove, name),
+            "report": lambda _: self._write_report(),
+            "validate": lambda _: validate(),
+            "prune": lambda _: session.change("Trying to do without each effect", refining.drop_needless),
+        }
+
     async def _open_tab(self) -> None:
         """Ask for what the chosen tab shows; the viewer needs all of a small screen's width."""
         chosen = self._head_tabs.value
@@ -143,7 +170,7 @@ class Page:
             await self._report.open(anew=True)
 
     def _turn_theme(self) -> None:
-        run("bench.turnTheme()")
+        ui.run_javascript("bench.turnTheme()")
         self._seen = -1
 
     def _record(self, capture: CaptureRun) -> None:
@@ -196,5 +223,34 @@ class Page:
             background_tasks.create(self._open_tab())
         self._feed.send()
         if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
-            run(f"bench.filmTo({self._step})")
+            ui.run_javascript(f"bench.filmTo({self._step})")
             self._step = None
+
+
+class EmptyMiddle:
+    """Seen while there is nothing to show of a session, or no session."""
+
+    def __init__(
+        self, session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]
+    ) -> None:
+        self._session, self._key = session, key
+        does = {
+            "solve": lambda _: solve_mystery(),
+            "examples": lambda _: ui.run_javascript("bench.toExamples()"),
+        }
+        with ui.element("div").classes("empty grow") as self.place:
+            self._words = widgets.html("contents", does)
+            if session is not None:
+                self._recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
+
+    def show(self, visible: bool) -> None:
+        """Say how it stands, where the middle is empty."""
+        self.place.set_visibility(visible)
+        problem = "" if self._session is None else self._session.problem
+        self._words.content = part("empty", self._key, self._session is not None, problem)
+        if problem and visible:
+            background_tasks.create(self._draw())
+
+    async def _draw(self) -> None:
+        with self.place:
+            await self._recorded.open(await widgets.is_dark())

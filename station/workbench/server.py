@@ -12,9 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from station.exits import UsageProblem
-from station.library_messages import say_in_one_line
+from station.output import next_line, say_in_one_line
 from station.settings import Settings
-from station.text.next_step import next_line
 
 HOST = "127.0.0.1"
 STATIC = Path(__file__).parent / "static"

@@ -3,11 +3,12 @@
 import json
 from typing import Any
 
+from nicegui import ui
+
 from identify.formatting import plain_name
 from station.workbench.session_state import SessionState
 from station.workbench.statements import says_of
 from station.workbench.view_models import Drawing
-from station.workbench.widgets import run
 
 
 class StageFeed:
@@ -48,4 +49,4 @@ class StageFeed:
         wanted = {*view.step_frames, *suspects.values()} - self._sent
         news["frames"] = {name: frame for name, frame in session.frames.items() if name in wanted}
         self._sent.update(news["frames"])
-        run(f"bench.receive({json.dumps(news)})")
+        ui.run_javascript(f"bench.receive({json.dumps(news)})")

@@ -8,19 +8,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
-from identify.preprocessing.prepared_decay import prepare
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
+from station.operations.examples import EXAMPLES, examples_folder
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument
@@ -28,7 +26,7 @@ from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import silent
-from station.story.preparation import weighing_of
+from station.story.preparation import Options, prepare_recording, weighing_of
 from station.suggestions import MEASURED_CURVE
 from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
@@ -61,7 +59,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,
-        {} if weighing is None else with_mass(ladder.top, weighing),
+        with_mass(ladder.top, weighing),
         session.info.specimen.startswith("mystery "),
     )
 
@@ -171,19 +169,10 @@ def _tried(opened: Opened, wanted: str) -> Drawn:
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
 
 
-RATE, SECONDS, FREQUENCY, DECAY, AMPLITUDE = 256.0, 6.0, 25.0, 0.25, 0.02
-
-
 def warm_up(*_: object) -> None:
-    """Fit, extend and compare a decay in closed form with a little noise; a worker's task like the others."""
-    draw = np.random.default_rng(1)
-    time = np.arange(-RATE, RATE * SECONDS) / RATE
-    moving = np.maximum(time, 0.0)
-    shape = np.exp(-DECAY * moving) * AMPLITUDE
-    u = shape * np.cos(FREQUENCY * moving) + 5e-6 * draw.standard_normal(len(time))
-    a = np.where(time > 0, -(FREQUENCY**2) * shape * np.cos(FREQUENCY * moving), 0.0)
-    a = a + 0.01 * draw.standard_normal(len(time))
-    prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
+    """Fit, extend and compare a recording that comes with the station; a worker's task like the others."""
+    recording = look_at(examples_folder() / EXAMPLES[0].file).read().recordings[0]
+    prepared = prepare_recording(recording, Options())
     friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
     step = add_effect(first_step((prepared,)), friction)
     compare_fitted(step.baseline)

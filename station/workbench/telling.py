@@ -38,12 +38,11 @@ def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
     say("comparing with the measurement")
     refinement, look = open_session(settings, folder).refinement, PAGE[dark]
-    session, prepared, library = refinement.session, refinement.prepared, refinement.library
-    found, _ = compare_session(session, settings, prepared=prepared)
-    words, document, kept = comparison_text.told(found), kept_diagnosis(session), None
+    found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared)
+    words, document, kept = comparison_text.told(found), kept_diagnosis(refinement.session), None
     if document is not None:
         with suppress(UsageProblem):  # an effect of a file that is not at hand
-            kept = kept_curves(session, prepared, document, library, settings)
+            kept = kept_curves(refinement, document, settings)
     with inked(look):
         parts = where_it_fails(found, look)
         if kept is not None:

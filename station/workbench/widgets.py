@@ -65,11 +65,6 @@ def chart(name: str, label: str, classes: str) -> None:
     made.props.update({"data-plot": name, "tabindex": "0", "role": "img", "aria-label": label})
 
 
-def run(script: str) -> None:
-    """Run a script in the tab, without waiting for it."""
-    ui.run_javascript(script)
-
-
 async def is_dark() -> bool:
     """Ask the tab whether it shows dark colours; one that was closed meanwhile does not."""
     try:

@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import multiprocessing
 import signal
-import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
@@ -13,8 +12,8 @@ from typing import Any
 
 from daq.errors import StationError
 from daq.session import finish_change
-from station import exits
-from station.library_messages import say_in_one_line
+from station.exits import sentence_of
+from station.output import say_in_one_line
 from station.settings import Settings
 from station.story.pipeline import silent
 
@@ -80,20 +79,11 @@ def _serve(pipe: Connection, settings: Settings) -> None:
             try:
                 result = task(settings, lambda content: pipe.send(("said", content)), *arguments)
             except Exception as error:
-                pipe.send(("failed", _sentence(error)))
+                pipe.send(("failed", sentence_of(error)))
             else:
                 pipe.send(("done", result))
     except (EOFError, OSError):  # the server has gone
         return
-
-
-def _sentence(error: Exception) -> str:
-    text = " ".join(str(error).split()) or type(error).__name__
-    if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.Problem):
-        return text
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    what = f"{type(error).__name__}: {text}; {place.name}, line {place.lineno}"
-    return f"a fault of this program ({what}); nothing recorded is lost"
 
 
 def _finish_changes(arguments: tuple[Any, ...]) -> None:

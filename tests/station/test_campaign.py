@@ -15,8 +15,7 @@ from station.campaign.together import campaign_document
 from station.cli import run as station
 from station.results.campaign_document import CampaignDocument
 from station.settings import Settings
-from station.text.campaign_table import sessions_csv, trends_csv
-from station.text.campaign_text import duration
+from station.text.campaign_text import duration, sessions_csv, trends_csv
 
 COUNT = 8
 

@@ -5,9 +5,8 @@ from rich.console import Console
 
 from identify.diagnosis.guidance import first_release
 from station.cli import run
-from station.commands.guide import limits_of
 from station.exits import UsageProblem
-from station.operations.guiding import _again
+from station.operations.guiding import _again, limits_of
 from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.text.guide_text import gave, odds_chart, percent

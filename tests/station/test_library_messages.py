@@ -4,7 +4,7 @@ import logging
 import subprocess
 import sys
 
-from station.library_messages import OneLine
+from station.output import OneLine
 
 WARNS = """
 import logging, warnings

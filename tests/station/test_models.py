@@ -14,7 +14,8 @@ from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
 from station.results.documents import to_text
-from station.results.models import KnownModel, known_model, model_file, read_model, read_model_file
+from station.results.models import known_model, model_file, read_model, read_model_file
+from station.story.known_model import KnownModel
 
 VALUES = {
     "linear_stiffness.k": Estimate(613.9, 0.002, "1/s^2"),

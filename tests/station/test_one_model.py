@@ -10,12 +10,13 @@ from hidden import DUFFING
 from station.cli import run
 from station.operations.current_model import current_model
 from station.operations.identifying import kept_options
-from station.operations.record_floor import NAME, prepare_with_floor
+from station.operations.record_floor import NAME, with_floor
 from station.operations.refining import add, open_refinement
 from station.report.findings import gather
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.pipeline import silent
+from station.story.preparation import prepare_session
 
 USUAL = ["linear_stiffness", "coulomb_friction", "viscous_damping"]
 CUBIC = ["linear_stiffness", "cubic_stiffness", "coulomb_friction", "viscous_damping"]
@@ -140,5 +141,5 @@ def test_a_long_record_is_judged_in_its_pieces_by_every_command_and_one_run_says
 def test_a_floor_that_was_altered_is_decided_again(chosen, text):
     before = json.loads((chosen.results / NAME).read_text())
     (chosen.results / NAME).write_text(text)
-    prepare_with_floor(chosen, Settings())
+    with_floor(chosen, prepare_session(chosen, Settings()))
     assert json.loads((chosen.results / NAME).read_text()) == before

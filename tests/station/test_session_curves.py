@@ -25,7 +25,7 @@ def kept(tmp_path_factory, diagnosed):
     session = Session.open(shutil.copytree(diagnosed, settings.sessions / DUFFING.stem))
     refinement = open_refinement(session, settings)
     document = read_diagnosis(session)
-    shown = kept_curves(session, refinement.prepared, document, refinement.library, settings)
+    shown = kept_curves(refinement, document, settings)
     return SimpleNamespace(
         settings=settings, session=session, refinement=refinement, document=document, shown=shown
     )
@@ -41,7 +41,7 @@ def backbone(amplitude):
 def again(kept, **changed):
     """Return the curves with another document."""
     refinement, document = kept.refinement, kept.document.model_copy(update=changed)
-    return kept_curves(kept.session, refinement.prepared, document, refinement.library, kept.settings)
+    return kept_curves(refinement, document, kept.settings)
 
 
 def test_the_named_model_follows_the_curve_where_the_usual_one_does_not(kept):

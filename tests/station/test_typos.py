@@ -12,9 +12,9 @@ from mocks import cli as double
 from station.cli import run
 from station.exits import UsageProblem
 from station.operations.new_session import session_info
+from station.output import next_line
 from station.settings import Settings, load_settings
 from station.suggestions import did_you_mean, effect_names
-from station.text.next_step import next_line
 
 
 def test_the_names_read_from_the_source_are_those_of_the_library():

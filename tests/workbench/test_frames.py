@@ -50,7 +50,7 @@ def stain(frame):
 
 def test_a_model_that_lacks_nothing_leaves_noise_in_every_cell(prepared):
     fit = fitted(prepared["release_24"])
-    ground = ground_of(prepared["release_24"], fit, 21.36)
+    ground = ground_of(prepared["release_24"], fit)
     frame = frame_of(ground, fit)
     # the mean of n squares of unit normals has a standard error of sqrt(2/n), 0.1 with some 250 cells
     assert abs(stain(frame) - 1.0) < 0.4
@@ -62,14 +62,14 @@ def test_the_hidden_effect_bleaches_the_map_whether_it_is_a_force_or_a_fault_of_
     prepared, name, hidden
 ):
     usual, right = fitted(prepared[name]), fitted(prepared[name], hidden)
-    ground = ground_of(prepared[name], usual, 21.36)
+    ground = ground_of(prepared[name], usual)
     assert stain(frame_of(ground, usual)) > 4.0
     assert stain(frame_of(ground, right)) < 1.5
 
 
 def test_every_sample_lies_in_one_cell_of_the_map_and_in_the_right_one(prepared):
     release = prepared["release_14"]
-    ground = ground_of(release, fitted(release), None)
+    ground = ground_of(release, fitted(release))
     cycle = ground.stage["cycle"]
     assert len(ground.member) == len(release.window)
     assert set(ground.member.tolist()) == set(range(len(cycle["cells"])))
