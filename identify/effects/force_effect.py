@@ -4,12 +4,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf, isfinite
+from types import FunctionType
 from typing import Any, cast
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import PARAMETERS, STATES, address_of_force, address_of_rates
+from identify.effects.compiled import (
+    PARAMETERS,
+    STATES,
+    address_of_force,
+    address_of_rates,
+    force_function,
+    rate_function,
+)
 from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
 from identify.effects.effect import Effect, Parameter, Scales, Starts
 
@@ -32,7 +40,7 @@ class LinearPart(IntEnum):
 class ForceEffect(Effect):
     """A force per unit mass on the left of u'' + ... = 0, proportional to its first parameter, the strength.
 
-    `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
+    `force`, `friction` and `rates` are functions of (t, u, v, z, p), which are compiled: `friction` is a level >= 0 that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release, and
     `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in `p`:
     by "effect.parameter", each with its rough value at an angular frequency (rad/s). `equilibrium_state(u, p)` gives the
@@ -69,6 +77,13 @@ class ForceEffect(Effect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name, compile_ in (
+            ("force", force_function),
+            ("friction", force_function),
+            ("rates", rate_function),
+        ):
+            if isinstance(getattr(self, name), FunctionType):
+                object.__setattr__(self, name, compile_(getattr(self, name)))
         count = len(self.parameters) + len(self.shared_parameters)
         if count > PARAMETERS:
             raise ValueError(

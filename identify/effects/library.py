@@ -1,5 +1,6 @@
 """The library: every effect and every sensor's fault, in one tuple."""
 
+from identify.effects.contact import END_STOP, FREEPLAY, IMPACT
 from identify.effects.damping import (
     CUBIC_DAMPING,
     POSITION_DEPENDENT_DAMPING,
@@ -9,10 +10,9 @@ from identify.effects.damping import (
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICTION, STRIBECK_FRICTION
-from identify.effects.impact import IMPACT
-from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
+from identify.effects.joint import DAHL_FRICTION, HYSTERESIS
+from identify.effects.memory import MAXWELL_ELEMENT, SECOND_MASS
 from identify.effects.pendulum import PENDULUM_STIFFNESS
-from identify.effects.presliding import DAHL_FRICTION
 from identify.effects.sensor_fault import Allowance, SensorFault
 from identify.effects.sensors import (
     AC_COUPLING,
@@ -28,8 +28,6 @@ from identify.effects.sensors import (
 from identify.effects.stiffness import (
     BILINEAR_STIFFNESS,
     CUBIC_STIFFNESS,
-    END_STOP,
-    FREEPLAY,
     LINEAR_STIFFNESS,
     QUADRATIC_STIFFNESS,
     QUINTIC_STIFFNESS,

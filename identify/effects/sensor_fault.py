@@ -24,6 +24,9 @@ class SensorFault(Effect):
     """
 
     kind = "sensor"
+    variants: tuple[dict[str, float | str], ...] = tuple(
+        {"channel": channel} for channel in ("displacement", "acceleration", "velocity")
+    )
     observe: Callable[[Array, Array, Array], Array] = field(default=lambda time, reading, p: reading)
     starts: Callable[[Scales, str], Starts] = field(default=lambda scales, channel: ())
     held_at_first: tuple[str, ...] = ()
