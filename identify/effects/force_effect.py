@@ -12,9 +12,9 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import (
     PARAMETERS,
+    RATES,
     STATES,
-    address_of_force,
-    address_of_rates,
+    address_of,
     force_function,
     rate_function,
 )
@@ -143,15 +143,7 @@ class ForceEffect(Effect):
         """Return the internal states (n, 2), driven along a measured motion (n,) from `start`; zeros without memory."""
         if self.rates is None:
             return np.zeros((len(u), STATES))
-        return cast(Array, states_along(address_of_rates(self.rates), time, u, v, p, start, steps))
-
-    def states_along_smooth(
-        self, p: Numbers, time: Array, u: Array, v: Array, start: tuple[float, float]
-    ) -> Array:
-        """Return the internal states at every second sample (n, 2) of a smooth motion of 2 n - 1 samples."""
-        if self.rates is None:
-            return np.zeros((len(u) // 2 + 1, STATES))
-        return cast(Array, states_along_smooth(address_of_rates(self.rates), time, u, v, p, start))
+        return cast(Array, states_along(address_of(self.rates, RATES), time, u, v, p, start, steps))
 
     def periodic_states(
         self,
@@ -161,18 +153,16 @@ class ForceEffect(Effect):
         v: Array,
         start: tuple[float, float],
         scale: tuple[float, float],
-    ) -> tuple[tuple[float, float], bool]:
-        """Return the internal states that a turn (as for `states_along_smooth`) brings back, and whether they were found.
+    ) -> tuple[Array, bool]:
+        """Return the internal states (n, 2) at every second sample of a turn that brings them back, and whether it does.
 
-        They are sought from `start`; `scale` is their size. Zeros without memory.
+        The turn is smooth, of 2 n - 1 samples. States of size `scale` are sought from `start`; zeros without memory.
         """
         if self.rates is None:
-            return (0.0, 0.0), True
-        address = address_of_rates(self.rates)
-        return cast(
-            tuple[tuple[float, float], bool],
-            periodic_states(address, time, u, v, p, start, scale, self.states),
-        )
+            return np.zeros((len(u) // 2 + 1, STATES)), True
+        address = address_of(self.rates, RATES)
+        begun, found = periodic_states(address, time, u, v, p, start, scale, self.states)
+        return states_along_smooth(address, time, u, v, p, begun), bool(found)
 
     def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""
@@ -192,4 +182,4 @@ def _values_along(function: Any, p: Numbers, time: Array, u: Array, v: Array, st
     """Evaluate a compiled function along a motion, (n,); zeros for None."""
     if function is None:
         return np.zeros(len(u))
-    return cast(Array, values_along(address_of_force(function), time, u, v, states, p))
+    return cast(Array, values_along(address_of(function), time, u, v, states, p))

@@ -94,8 +94,7 @@ def _around(
     angle, u, v = _harmonic(frequency, amplitude)
     clock = time + (np.zeros(len(angle)) if effect.rates is None else angle / frequency)
     start, size = effect.states_at_rest(amplitude, p), effect.state_sizes(amplitude, frequency)
-    periodic, settled = effect.periodic_states(p, clock, u, v, start, size)
-    states = effect.states_along_smooth(p, clock, u, v, periodic)
+    states, settled = effect.periodic_states(p, clock, u, v, start, size)
     angle, clock, u, v = (values[:-1:2].copy() for values in (angle, clock, u, v))
     level = np.maximum(effect.friction_level_along(p, clock, u, v, states[:-1]), 0.0)
     return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), angle, settled

@@ -232,9 +232,7 @@ def _estimates(
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
     by_order = {
-        order: timed(
-            Estimate(float(stiffness[order - 1]), float(std), stiffness_unit(order, False, decay.unit))
-        )
+        order: timed(Estimate(stiffness[order], float(std), stiffness_unit(order, False, decay.unit)))
         for order, std in zip(fit.stiffness_orders, stiffness_std, strict=True)
     }
     return by_order, tuple(
