@@ -59,7 +59,7 @@ CLIPPING = SensorFault(
     starts=lambda scales, channel: tuple(
         (share * scales.peaks[channel], 0.0) for share in (0.995, 0.97, 0.9)
     ),
-    held_at_first=("limit",),
+    inner=("limit",),
     symptom="flat peaks in one channel only, at one level",
     confirming_test="release from a smaller amplitude, or choose a larger range",
     confusable_with=("end_stop", "cubic_stiffness"),
@@ -96,7 +96,7 @@ AC_COUPLING = SensorFault(
         (0.003 * 1.33**i * scales.frequency / (2.0 * pi), 0.0)
         for i in range(14)
     ),
-    held_at_first=("fc",),
+    inner=("fc",),
     plausible=lambda values, scales: (
         abs(values["transient"])
         < _MEMORY * 2.0 * pi * values["fc"] / scales.frequency * max(scales.peaks.values())
@@ -155,7 +155,7 @@ SENSOR_BANDWIDTH = SensorFault(
     starts=lambda scales, channel: tuple(
         (ratio * scales.frequency / (2.0 * pi), 0.0) for ratio in (3.0, 8.0, 20.0, 100.0)
     ),
-    held_at_first=("fc",),
+    inner=("fc",),
     plausible=lambda values, scales: scales.frequency / (2.0 * pi) < values["fc"] < 0.5 * scales.rate,
     seems_lag=lambda start, scales: -atan(scales.frequency / (2.0 * pi * start[0])) / scales.frequency,
     needs_other_channel=True,
@@ -182,7 +182,7 @@ MAINS_HUM = SensorFault(
     starts=lambda scales, channel: tuple(
         (amplitude, line, phase) for line, amplitude, phase in scales.lines.get(channel, ()) if line > 0.0
     ),
-    held_at_first=("f",),
+    inner=("f",),
     shows_at_rest=True,
     plausible=lambda values, scales: (
         values["f"] > _HUM_FROM * scales.frequency / (2.0 * pi) and not near_harmonic(values["f"], scales)
