@@ -2,7 +2,7 @@
 
 import pytest
 
-from identify.effects.library import CUBIC_STIFFNESS
+from identify.effects.stiffness import CUBIC_STIFFNESS
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
