@@ -168,14 +168,13 @@ def _described(
     size = float(candidate.weights @ values)
     largest = _largest(candidate, values, size, plane, cycles)
     low, high = candidate.levels
-    if candidate.kind == "force over displacement":
-        edges = plane.displacement_edges[plane.force.shape[1] // 2 + 1 :]
-        at = (float(edges[low - 1]), float(edges[high]))
-        text, scale, unit = words.over_displacement(largest, at, low == high, candidate.side, candidate.way)
-    elif candidate.kind == "force over velocity":
-        edges = plane.velocity_edges[plane.force.shape[0] // 2 :]
-        at = (float(edges[low]), float(edges[high + 1]))
-        text, scale, unit = words.over_velocity(largest, at, low == high, candidate.way)
+    if candidate.kind.startswith("force"):
+        across = candidate.kind == "force over displacement"
+        edges = plane.displacement_edges if across else plane.velocity_edges
+        middle = (len(edges) - 1) // 2
+        at = (float(edges[middle + low]), float(edges[middle + high + 1]))
+        place = (at, low == high, candidate.side, candidate.way)
+        text, scale, unit = words.over_force(candidate.kind, largest, *place)
     else:
         times = (float(cycles.time[low]), float(cycles.time[high]))
         amplitudes = (
