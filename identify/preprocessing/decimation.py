@@ -12,14 +12,14 @@ ENOUGH = 256
 """Samples a cycle that identification needs; a block's mean is then 2.5e-5 smaller than its middle."""
 
 
-def block_averaged(decay: FreeDecay, enough: int = ENOUGH) -> tuple[FreeDecay, float]:
-    """Return the decay with at most twice `enough` samples a cycle, and the time of its first sample, s.
+def block_averaged(decay: FreeDecay) -> tuple[FreeDecay, float]:
+    """Return the decay with at most twice `ENOUGH` samples a cycle, and the time of its first sample, s.
 
     Unchanged, with 0 s, when it is slow enough already.
     """
     first = next(iter(decay.channels.values()))
     frequency = flat_frequency(first[decay.start :], decay.rate)
-    return average_blocks(decay, int(decay.rate / frequency / enough) if frequency > 0 else 1)
+    return average_blocks(decay, int(decay.rate / frequency / ENOUGH) if frequency > 0 else 1)
 
 
 def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:

@@ -11,6 +11,7 @@ from identify.free_decay import CHANNELS, FreeDecay
 from identify.identified import Identified, dampings, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
+from identify.preprocessing.sampling import block_means
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
@@ -241,8 +242,6 @@ def _scalogram(observed: Observed) -> tuple[Array, Array, Array]:
     ladder = np.geomspace(0.4, 2.5, 40) * observed.angular_frequency / (2 * np.pi)
     ladder = ladder[ladder < 0.5 * observed.rate]
     coarse = max(1, int(observed.rate / (6 * ladder[-1])))
-    samples = bridge(observed.samples, observed.valid)
-    whole = len(samples) // coarse * coarse
-    averaged = samples[:whole].reshape(-1, coarse).mean(axis=1)
+    averaged = block_means(bridge(observed.samples, observed.valid), coarse)
     modulus, columns = scalogram(averaged, observed.rate / coarse, ladder, 200, 1.0)
     return modulus, ladder, columns
