@@ -104,14 +104,14 @@ class Effect(ABC):
             raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
 
     @property
-    @abstractmethod
     def inner(self) -> tuple[str, ...]:
         """Parameters that the readings do not follow in proportion; they are held while a fit begins."""
+        return tuple(p.name for p in self.parameters[1:])
 
     @property
-    @abstractmethod
     def started(self) -> tuple[Parameter, ...]:
         """The parameters that `starting_values` gives; the others begin at what a regression finds."""
+        return self.parameters[1:]
 
     @property
     def one_sided(self) -> bool:

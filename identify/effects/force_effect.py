@@ -19,7 +19,7 @@ from identify.effects.compiled import (
     rate_function,
 )
 from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
-from identify.effects.effect import Effect, Parameter, Scales, Starts
+from identify.effects.effect import Effect, Scales, Starts
 
 Numbers = tuple[float, ...]
 """The parameters of an effect as its compiled functions take them."""
@@ -89,16 +89,6 @@ class ForceEffect(Effect):
             raise ValueError(
                 f"effect {self.name}: {count} parameters with the shared ones, at most {PARAMETERS}"
             )
-
-    @property
-    def inner(self) -> tuple[str, ...]:
-        """All parameters but the strength."""
-        return tuple(p.name for p in self.parameters[1:])
-
-    @property
-    def started(self) -> tuple[Parameter, ...]:
-        """All parameters but the strength."""
-        return self.parameters[1:]
 
     def starting_values(self, scales: Scales, channel: str = "") -> Starts:
         """Return starting values of the inner parameters that no variant holds."""
