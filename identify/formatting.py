@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from identify.estimate import Estimate
-
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl",
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
@@ -105,16 +103,6 @@ def quantities(found: Mapping[str, Estimated]) -> list[str]:
 def _after(unit: str) -> str:
     """Write a unit as it stands after its number; nothing for a pure number."""
     return "" if unit in ("", "1") else f" {unit}".replace(" ", SPACE)
-
-
-def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...]) -> list[tuple[str, str]]:
-    """Return name and value of each stiffness and damping coefficient by its order."""
-    rows = []
-    for order, found in stiffness.items():
-        rows.append(("stiffness K" if order == 1 else f"stiffness of order {order}", quantity(found)))
-    for order, found in enumerate(damping):
-        rows.append((damping_name(order), quantity(found)))
-    return rows
 
 
 def damping_name(order: int) -> str:

@@ -34,22 +34,6 @@ class CycleErrors:
     chi_square_after: float
 
 
-@dataclass(frozen=True, eq=False)
-class _System:
-    """Normal equations of the states at the cycles' starts and of the common unknowns, and what the states mean.
-
-    The changes of stiffness and damping are `turn` (2 cycles, unknowns) times the unknowns plus `fixed` (2 cycles,);
-    `left` is the misfit before they are solved, `per_energy` (cycles,) the energy that a unit of damping takes a cycle.
-    """
-
-    normal: Array
-    gradient: Array
-    turn: Array
-    fixed: Array
-    left: float
-    per_energy: Array
-
-
 def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     """Return the errors of the tracked model in every cycle.
 
@@ -58,15 +42,15 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     with lag, gain and offset of the acceleration as common unknowns.
     """
     window, segments, count = shooting.window, shooting.segments, len(shooting.segments)
-    system = _assemble(shooting)
-    scale = np.sqrt(np.maximum(np.diag(system.normal), 1e-300))
-    inverse = np.linalg.inv(system.normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    left = system.left - float(system.gradient @ inverse @ system.gradient)
-    kappa = system.turn @ (inverse @ system.gradient) + system.fixed
-    factors = np.concatenate([np.full(count, 50.0 * _SHARE), system.per_energy])
+    normal, gradient, turn, fixed, left, per_energy = _assemble(shooting)
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    left -= float(gradient @ inverse @ gradient)
+    kappa = turn @ (inverse @ gradient) + fixed
+    factors = np.concatenate([np.full(count, 50.0 * _SHARE), per_energy])
     order = np.r_[0 : 2 * count : 2, 1 : 2 * count : 2]
     errors = factors * kappa[order]
-    covariance = (system.turn @ inverse @ system.turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
+    covariance = (turn @ inverse @ turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
     std = np.sqrt(np.diag(covariance))
     sweep = np.hypot(shooting.displacement, shooting.velocity / shooting.frequency)
     return CycleErrors(
@@ -77,11 +61,16 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
         frozen(errors[count:]),
         frozen(std[count:]),
         frozen(covariance),
-        left / max(len(shooting.misfit) - len(system.gradient), 1),
+        left / max(len(shooting.misfit) - len(gradient), 1),
     )
 
 
-def _assemble(shooting: MultipleShooting) -> _System:
+def _assemble(shooting: MultipleShooting) -> tuple[Array, Array, Array, Array, float, Array]:
+    """Return the normal equations of the states at the cycles' starts and of the common unknowns, and what the states mean.
+
+    The changes of stiffness and damping are `turn` (2 cycles, unknowns) times the unknowns plus `fixed` (2 cycles,);
+    `left` is the misfit before they are solved, `per_energy` (cycles,) the energy that a unit of damping takes a cycle.
+    """
     segments, omega, common = shooting.segments, shooting.frequency, nuisances(shooting)
     count, extra = len(segments), common.shape[1]
     unknowns = 2 * (count + 1) + extra
@@ -112,4 +101,4 @@ def _assemble(shooting: MultipleShooting) -> _System:
         turn[2 * j : 2 * j + 2, 2 * j + 2 : 2 * j + 4] = inverse
         fixed[2 * j : 2 * j + 2] = inverse @ gap
         per_energy[j] = _SHARE * omega * np.mean(v**2) * 2.0 * np.pi / omega
-    return _System(normal, gradient, turn, fixed, left, per_energy)
+    return normal, gradient, turn, fixed, left, per_energy

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations_with_replacement as _bands
 
 import numpy as np
 
@@ -76,9 +77,8 @@ def find_discrepancies(
         if not candidates:
             continue
         weights = np.array([c.weights / c.std for c in candidates])
-        chance = weights @ (
-            np.linalg.cholesky(_firm(covariance)) @ random.standard_normal((len(values), _DRAWS))
-        )
+        firm = covariance + np.diag(1e-9 * np.diag(covariance))
+        chance = weights @ (np.linalg.cholesky(firm) @ random.standard_normal((len(values), _DRAWS)))
         worst_by_chance = np.maximum(worst_by_chance, np.max(np.abs(chance), axis=0))
         for candidate, score in zip(candidates, weights @ values / factor, strict=True):
             found.append((float(score), candidate, values, factor))
@@ -98,10 +98,6 @@ def find_discrepancies(
         places.append(Discrepancy("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
     places.sort(key=lambda place: -place.significance)
     return tuple(places[:MOST])
-
-
-def _firm(covariance: Array) -> Array:
-    return covariance + np.diag(1e-9 * np.diag(covariance))
 
 
 def _same(one: _Candidate, other: _Candidate) -> bool:
@@ -132,7 +128,7 @@ def _force_candidates(plane: PhasePlane) -> Iterator[_Candidate]:
     out = np.abs(columns - middle_column)
     way = np.where(rows >= middle_row, 1, -1)
     speed = np.where(rows >= middle_row, rows - middle_row, middle_row - 1 - rows)
-    for first, last in _bands(1, middle_column):
+    for first, last in _bands(range(1, middle_column + 1), 2):
         band = (out >= first) & (out <= last)
         for one_side in (0, 1, -1):
             for one_way in (0, 1, -1):
@@ -140,7 +136,7 @@ def _force_candidates(plane: PhasePlane) -> Iterator[_Candidate]:
                 if (kept & (side != 0)).any():
                     place = ((first, last), one_side, one_way)
                     yield _candidate("force over displacement", kept * side, plane.covariance, *place)
-    for first, last in _bands(0, middle_row - 1):
+    for first, last in _bands(range(middle_row), 2):
         band = (speed >= first) & (speed <= last)
         for one_way in (0, 1, -1):
             kept = band & ((way == one_way) | (one_way == 0))
@@ -153,17 +149,11 @@ def _force_candidates(plane: PhasePlane) -> Iterator[_Candidate]:
 def _cycle_candidates(cycles: CycleErrors) -> Iterator[_Candidate]:
     count = len(cycles.time)
     edges = np.unique(np.linspace(0, count, min(_GROUPS, count) + 1).astype(int))
-    for first, last in _bands(0, len(edges) - 2):
+    for first, last in _bands(range(len(edges) - 1), 2):
         for shift, kind in ((0, "frequency"), (count, "energy")):
             members = np.zeros(2 * count)
             members[shift + edges[first] : shift + edges[last + 1]] = 1.0
             yield _candidate(kind, members, cycles.covariance, (edges[first], edges[last + 1] - 1))
-
-
-def _bands(first: int, last: int) -> Iterator[tuple[int, int]]:
-    for low in range(first, last + 1):
-        for high in range(low, last + 1):
-            yield low, high
 
 
 def _described(
@@ -178,14 +168,13 @@ def _described(
     size = float(candidate.weights @ values)
     largest = _largest(candidate, values, size, plane, cycles)
     low, high = candidate.levels
-    if candidate.kind == "force over displacement":
-        edges = plane.displacement_edges[plane.force.shape[1] // 2 + 1 :]
-        at = (float(edges[low - 1]), float(edges[high]))
-        text, scale, unit = words.over_displacement(largest, at, low == high, candidate.side, candidate.way)
-    elif candidate.kind == "force over velocity":
-        edges = plane.velocity_edges[plane.force.shape[0] // 2 :]
-        at = (float(edges[low]), float(edges[high + 1]))
-        text, scale, unit = words.over_velocity(largest, at, low == high, candidate.way)
+    if candidate.kind.startswith("force"):
+        across = candidate.kind == "force over displacement"
+        edges = plane.displacement_edges if across else plane.velocity_edges
+        middle = (len(edges) - 1) // 2
+        at = (float(edges[middle + low]), float(edges[middle + high + 1]))
+        place = (at, low == high, candidate.side, candidate.way)
+        text, scale, unit = words.over_force(candidate.kind, largest, *place)
     else:
         times = (float(cycles.time[low]), float(cycles.time[high]))
         amplitudes = (

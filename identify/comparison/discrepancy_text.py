@@ -40,25 +40,20 @@ class DiscrepancyText:
         """Unit of the lengths that are shown."""
         return "mm" if self.unit == "m" else self.unit
 
-    def over_displacement(
-        self, force: float, at: tuple[float, float], single: bool, side: int, way: int
+    def over_force(
+        self, kind: str, force: float, at: tuple[float, float], single: bool, side: int, way: int
     ) -> tuple[str, float, str]:
         """Return the sentence, the factor on a force per unit mass and the unit."""
-        sense = "stiffer" if force > 0 else "softer"
+        if kind == "force over displacement":
+            place = f"{self.length(at[0])} and {self.length(at[1])} {self.length_unit}"
+            verb, sense = "is", "stiffer" if force > 0 else "softer"
+        else:
+            place = f"{at[0]:.3g} and {at[1]:.3g} {self.unit}/s"
+            verb, sense = "brakes", "more" if force > 0 else "less"
+        amount = scaled(abs(force) * self.force_scale, self.force_unit)
         text = (
-            f"between {self.length(at[0])} and {self.length(at[1])} {self.length_unit} the measured force is "
-            f"{self._up_to(single)}{self._amount(force)} {sense} than the model{_where(side, way)}"
-        )
-        return text, self.force_scale, self.force_unit
-
-    def over_velocity(
-        self, force: float, at: tuple[float, float], single: bool, way: int
-    ) -> tuple[str, float, str]:
-        """Return the sentence, the factor on a force per unit mass and the unit."""
-        sense = "more" if force > 0 else "less"
-        text = (
-            f"between {at[0]:.3g} and {at[1]:.3g} {self.unit}/s the measured force brakes "
-            f"{self._up_to(single)}{self._amount(force)} {sense} than the model{_where(0, way)}"
+            f"between {place} the measured force {verb} {self._up_to(single)}{amount} {sense} than the model"
+            f"{_where(side, way)}"
         )
         return text, self.force_scale, self.force_unit
 
@@ -96,9 +91,6 @@ class DiscrepancyText:
             f"lacks{where}",
             unit,
         )
-
-    def _amount(self, force: float) -> str:
-        return scaled(abs(force) * self.force_scale, self.force_unit)
 
     @staticmethod
     def _up_to(single: bool) -> str:

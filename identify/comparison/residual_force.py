@@ -74,24 +74,18 @@ def respond_in(
 
 
 def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patterns: Array) -> Array:
+    """Return the whitened change of a segment's readings by a small change of displacement and velocity."""
     seen = slice(segment.start - segment.begin, None)
     x, v = x[seen], v[seen]
     a = -patterns[seen] - shooting.damping * v - shooting.stiffness * x
-    change = read_change(shooting, x, v, a)
-    window = shooting.window
-    part = slice(segment.start, segment.stop)
-    return np.vstack([change[c][window.used[c][part]] / window.sigma[c] for c in window.channels])
-
-
-def read_change(shooting: MultipleShooting, x: Array, v: Array, a: Array) -> dict[str, Array]:
-    """Return the change of the readings by a small change of displacement, velocity and acceleration."""
-    lag = shooting.lag
+    lag, window = shooting.lag, shooting.window
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,
         "velocity": v - lag * a,
-        "acceleration": a * (shooting.gain if shooting.window.paired else 1.0),
+        "acceleration": a * (shooting.gain if window.paired else 1.0),
     }
-    return {channel: change[channel] for channel in shooting.window.channels}
+    part = slice(segment.start, segment.stop)
+    return np.vstack([change[c][window.used[c][part]] / window.sigma[c] for c in window.channels])
 
 
 def nuisances(shooting: MultipleShooting) -> Array:
@@ -110,17 +104,13 @@ def nuisances(shooting: MultipleShooting) -> Array:
     return shooting.whitened(change)
 
 
-def _filtered(step: Array, patterns: Array) -> tuple[Array, Array]:
-    x, v = np.zeros(patterns.shape), np.zeros(patterns.shape)
-    _filter(step, np.ascontiguousarray(patterns), x, v)
-    return x, v
-
-
 @compiled(nogil=True, error_model="numpy")
-def _filter(step, pattern, x, v):  # type: ignore[no-untyped-def]
+def _filtered(step, pattern):  # type: ignore[no-untyped-def]
+    x, v = np.zeros(pattern.shape), np.zeros(pattern.shape)
     for i in range(pattern.shape[0] - 1):
         for j in range(pattern.shape[1]):
             force = pattern[i, j]
             rise = pattern[i + 1, j] - force
             x[i + 1, j] = step[0, 0] * x[i, j] + step[0, 1] * v[i, j] + step[0, 2] * force + step[0, 3] * rise
             v[i + 1, j] = step[1, 0] * x[i, j] + step[1, 1] * v[i, j] + step[1, 2] * force + step[1, 3] * rise
+    return x, v

@@ -8,8 +8,7 @@ from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Judgement, why_not_enough
 from identify.effects.effect import Effect
-from identify.effects.families import FAMILIES
-from identify.effects.family import Family
+from identify.effects.families import FAMILIES, Family
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit

@@ -19,10 +19,9 @@ STATES = 2
 PARAMETERS = 6
 _SCALAR = types.float64
 STATE_TUPLE = types.UniTuple(_SCALAR, STATES)
-PARAMETER_TUPLE = types.UniTuple(_SCALAR, PARAMETERS)
-_ARGUMENTS = (_SCALAR, _SCALAR, _SCALAR, STATE_TUPLE, PARAMETER_TUPLE)
-_FORCE = signature(_SCALAR, *_ARGUMENTS)
-_RATES = signature(STATE_TUPLE, *_ARGUMENTS)
+_ARGUMENTS = (_SCALAR, _SCALAR, _SCALAR, STATE_TUPLE, types.UniTuple(_SCALAR, PARAMETERS))
+FORCE = signature(_SCALAR, *_ARGUMENTS)
+RATES = signature(STATE_TUPLE, *_ARGUMENTS)
 
 
 def force_function(function: Callable[..., float], *, cache: bool = True) -> Any:
@@ -31,12 +30,12 @@ def force_function(function: Callable[..., float], *, cache: bool = True) -> Any
     `z` is a tuple of two internal states, `p` of six parameters. What is kept on disk is loaded when it is first used; what
     is not is compiled at once, so that a formula that cannot be compiled is refused where it is given.
     """
-    return _compile(function, _FORCE, cache)
+    return _compile(function, FORCE, cache)
 
 
 def rate_function(function: Callable[..., tuple[float, float]], *, cache: bool = True) -> Any:
     """Compile `function(t, u, v, z, p)` to the rates of the two internal states."""
-    return _compile(function, _RATES, cache)
+    return _compile(function, RATES, cache)
 
 
 def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
@@ -45,24 +44,14 @@ def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
     )
 
 
-def _address(function: Any, signature: Any) -> int:
+@lru_cache(maxsize=512)
+def address_of(function: Any, kind: Any = FORCE) -> int:
+    """Return the address of a compiled function of a kind, FORCE or RATES; 0 for None. It does not change."""
     if function is None:
         return 0
-    if tuple(signature.args) not in function.overloads:
-        function.compile(signature)
-    return int(_get_wrapper_address(function, signature))
-
-
-@lru_cache(maxsize=256)
-def address_of_force(function: Any) -> int:
-    """Return the address of a compiled force; 0 for None. The address does not change and is looked up once."""
-    return _address(function, _FORCE)
-
-
-@lru_cache(maxsize=256)
-def address_of_rates(function: Any) -> int:
-    """Return the address of a compiled rate; 0 for None."""
-    return _address(function, _RATES)
+    if tuple(kind.args) not in function.overloads:
+        function.compile(kind)
+    return int(_get_wrapper_address(function, kind))
 
 
 def _call(result: Any) -> Any:

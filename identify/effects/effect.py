@@ -57,6 +57,11 @@ class Scales:
         return tuple(line[0] for lines in self.lines.values() for line in lines)
 
 
+def shares_of(size: Literal["amplitude", "speed", "duration"], *shares: float) -> Callable[[Scales], Starts]:
+    """Return a function that lists starting values of one parameter: shares of a size in the data."""
+    return lambda scales: tuple((share * getattr(scales, size),) for share in shares)
+
+
 def near_harmonic(line: float, scales: Scales) -> bool:
     """Check whether a line (Hz) lies so near zero or a harmonic of the motion that a nonlinear force may make it."""
     fundamental = scales.frequency / (2.0 * pi)
@@ -99,14 +104,14 @@ class Effect(ABC):
             raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
 
     @property
-    @abstractmethod
     def inner(self) -> tuple[str, ...]:
         """Parameters that the readings do not follow in proportion; they are held while a fit begins."""
+        return tuple(p.name for p in self.parameters[1:])
 
     @property
-    @abstractmethod
     def started(self) -> tuple[Parameter, ...]:
         """The parameters that `starting_values` gives; the others begin at what a regression finds."""
+        return self.parameters[1:]
 
     @property
     def one_sided(self) -> bool:

@@ -1,17 +1,39 @@
 """The families: laws with a free exponent between the effects of the library. They are no suspects by themselves."""
 
-from math import copysign, inf
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import copysign
 
-from identify.effects.compiled import force_function, rate_function
-from identify.effects.effect import Parameter, Scales, Starts
-from identify.effects.family import Family
+from identify.effects.effect import Parameter, Scales
 from identify.effects.force_effect import ForceEffect
-from identify.effects.joint import held_state, joint_force
+from identify.effects.joint import STIFFNESS, YIELD, joint
 
 
-@force_function
-def _power_of_displacement(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * copysign((abs(u) / p[2]) ** p[1], u)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Family:
+    """A law with a free exponent, for shapes between the names: "behaves like quadratic_damping, p = 1.9 +- 0.1".
+
+    `effect` is fitted as any other force; `exponent` names its parameter. `members` gives the exponent at which the law
+    is an effect of the library, by that effect's name. `held(scales)` are the inner parameters to hold in a fit, chosen
+    so that strength and exponent are hardly correlated.
+    """
+
+    effect: ForceEffect
+    exponent: str
+    members: Mapping[str, float]
+    held: Callable[[Scales], dict[str, float]] = field(default=lambda scales: {})
+
+    def __post_init__(self) -> None:
+        at = self.effect.parameters[self.effect.index(self.exponent)]
+        outside = [name for name, value in self.members.items() if not at.low <= value <= at.high]
+        if outside or not self.members:
+            raise ValueError(
+                f"family {self.effect.name}: no exponent for {', '.join(outside) or 'any member'}"
+            )
+
+    def nearest(self, exponent: float) -> str:
+        """Return the member whose exponent is nearest to a given one."""
+        return min(self.members, key=lambda name: abs(self.members[name] - exponent))
 
 
 POWER_LAW_STIFFNESS = Family(
@@ -22,9 +44,9 @@ POWER_LAW_STIFFNESS = Family(
         parameters=(
             Parameter("f", "m/s^2", "force per unit mass at the displacement `at`"),
             Parameter("p", "1", "exponent", 1.2, 7.0),
-            Parameter("at", "m", "displacement at which the force is f", 0.0, inf),
+            Parameter("at", "m", "displacement at which the force is f", 0.0),
         ),
-        force=_power_of_displacement,
+        force=lambda t, u, v, z, p: p[0] * copysign((abs(u) / p[2]) ** p[1], u),
         starts=lambda scales: ((1.5,), (2.5,), (4.5,)),
         variants=({"at": 1.0},),
         symptom="the frequency moves with the power p - 1 of the amplitude, alike in both directions",
@@ -36,22 +58,17 @@ POWER_LAW_STIFFNESS = Family(
 )
 
 
-@force_function
-def _power_of_velocity(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * copysign((abs(v) / p[2]) ** p[1], v)
-
-
 POWER_LAW_DAMPING = Family(
     effect=ForceEffect(
         name="power_law_damping",
         title="damping of a power law",
         equation="f (|v|/at)^p sgn v",
         parameters=(
-            Parameter("f", "m/s^2", "force per unit mass at the speed `at`", 0.0, inf),
+            Parameter("f", "m/s^2", "force per unit mass at the speed `at`", 0.0),
             Parameter("p", "1", "exponent", 0.2, 4.0),
-            Parameter("at", "m/s", "speed at which the force is f", 0.0, inf),
+            Parameter("at", "m/s", "speed at which the force is f", 0.0),
         ),
-        force=_power_of_velocity,
+        force=lambda t, u, v, z, p: p[0] * copysign((abs(v) / p[2]) ** p[1], v),
         starts=lambda scales: ((0.5,), (1.6,), (2.6,)),
         variants=({"at": 1.0},),
         symptom="the decrement grows with the power p - 1 of the amplitude",
@@ -64,7 +81,6 @@ POWER_LAW_DAMPING = Family(
 )
 
 
-@rate_function
 def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     if p[1] <= 0.0:
         return 0.0, 0.0
@@ -73,31 +89,23 @@ def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return v / p[1], 0.0
 
 
-def _yield_starts(scales: Scales) -> Starts:
-    return tuple((share * scales.amplitude, n) for share in (0.1, 0.25, 0.6) for n in (1.0, 2.5))
-
-
 BOUC_WEN = Family(
-    effect=ForceEffect(
+    effect=joint(
         name="bouc_wen_hysteresis",
         title="hysteresis of Bouc and Wen",
         equation="kh uy z,  z' = (v/uy) (1 - |z|^n [v z > 0])",
         parameters=(
-            Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
-            Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
+            STIFFNESS,
+            YIELD,
             Parameter("n", "1", "sharpness of the yield", 0.5, 4.0),
         ),
-        force=joint_force,
         rates=_joint_rates,
-        states=1,
-        largest_state=1.0,
-        fading_memory=False,
-        equilibrium_state=held_state,
-        starts=_yield_starts,
+        starts=lambda scales: tuple(
+            (share * scales.amplitude, n) for share in (0.1, 0.25, 0.6) for n in (1.0, 2.5)
+        ),
         gives_way=lambda p: float(p[1] / p[2]),
         symptom="a loop in the plane of displacement and force; a larger n gives it sharper corners",
         confirming_test="move the mass slowly to and fro: the loop shows its corners",
-        nonsmooth=True,
     ),
     exponent="n",
     members={"hysteresis": 2.0},

@@ -4,14 +4,22 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf, isfinite
+from types import FunctionType
 from typing import Any, cast
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import PARAMETERS, STATES, address_of_force, address_of_rates
+from identify.effects.compiled import (
+    PARAMETERS,
+    RATES,
+    STATES,
+    address_of,
+    force_function,
+    rate_function,
+)
 from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
-from identify.effects.effect import Effect, Parameter, Scales, Starts
+from identify.effects.effect import Effect, Scales, Starts
 
 Numbers = tuple[float, ...]
 """The parameters of an effect as its compiled functions take them."""
@@ -32,7 +40,7 @@ class LinearPart(IntEnum):
 class ForceEffect(Effect):
     """A force per unit mass on the left of u'' + ... = 0, proportional to its first parameter, the strength.
 
-    `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
+    `force`, `friction` and `rates` are functions of (t, u, v, z, p), which are compiled: `friction` is a level >= 0 that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release, and
     `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in `p`:
     by "effect.parameter", each with its rough value at an angular frequency (rad/s). `equilibrium_state(u, p)` gives the
@@ -69,21 +77,18 @@ class ForceEffect(Effect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name, compile_ in (
+            ("force", force_function),
+            ("friction", force_function),
+            ("rates", rate_function),
+        ):
+            if isinstance(getattr(self, name), FunctionType):
+                object.__setattr__(self, name, compile_(getattr(self, name)))
         count = len(self.parameters) + len(self.shared_parameters)
         if count > PARAMETERS:
             raise ValueError(
                 f"effect {self.name}: {count} parameters with the shared ones, at most {PARAMETERS}"
             )
-
-    @property
-    def inner(self) -> tuple[str, ...]:
-        """All parameters but the strength."""
-        return tuple(p.name for p in self.parameters[1:])
-
-    @property
-    def started(self) -> tuple[Parameter, ...]:
-        """All parameters but the strength."""
-        return self.parameters[1:]
 
     def starting_values(self, scales: Scales, channel: str = "") -> Starts:
         """Return starting values of the inner parameters that no variant holds."""
@@ -128,15 +133,7 @@ class ForceEffect(Effect):
         """Return the internal states (n, 2), driven along a measured motion (n,) from `start`; zeros without memory."""
         if self.rates is None:
             return np.zeros((len(u), STATES))
-        return cast(Array, states_along(address_of_rates(self.rates), time, u, v, p, start, steps))
-
-    def states_along_smooth(
-        self, p: Numbers, time: Array, u: Array, v: Array, start: tuple[float, float]
-    ) -> Array:
-        """Return the internal states at every second sample (n, 2) of a smooth motion of 2 n - 1 samples."""
-        if self.rates is None:
-            return np.zeros((len(u) // 2 + 1, STATES))
-        return cast(Array, states_along_smooth(address_of_rates(self.rates), time, u, v, p, start))
+        return cast(Array, states_along(address_of(self.rates, RATES), time, u, v, p, start, steps))
 
     def periodic_states(
         self,
@@ -146,18 +143,16 @@ class ForceEffect(Effect):
         v: Array,
         start: tuple[float, float],
         scale: tuple[float, float],
-    ) -> tuple[tuple[float, float], bool]:
-        """Return the internal states that a turn (as for `states_along_smooth`) brings back, and whether they were found.
+    ) -> tuple[Array, bool]:
+        """Return the internal states (n, 2) at every second sample of a turn that brings them back, and whether it does.
 
-        They are sought from `start`; `scale` is their size. Zeros without memory.
+        The turn is smooth, of 2 n - 1 samples. States of size `scale` are sought from `start`; zeros without memory.
         """
         if self.rates is None:
-            return (0.0, 0.0), True
-        address = address_of_rates(self.rates)
-        return cast(
-            tuple[tuple[float, float], bool],
-            periodic_states(address, time, u, v, p, start, scale, self.states),
-        )
+            return np.zeros((len(u) // 2 + 1, STATES)), True
+        address = address_of(self.rates, RATES)
+        begun, found = periodic_states(address, time, u, v, p, start, scale, self.states)
+        return states_along_smooth(address, time, u, v, p, begun), bool(found)
 
     def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""
@@ -177,4 +172,4 @@ def _values_along(function: Any, p: Numbers, time: Array, u: Array, v: Array, st
     """Evaluate a compiled function along a motion, (n,); zeros for None."""
     if function is None:
         return np.zeros(len(u))
-    return cast(Array, values_along(address_of_force(function), time, u, v, states, p))
+    return cast(Array, values_along(address_of(function), time, u, v, states, p))

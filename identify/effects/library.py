@@ -1,92 +1,64 @@
 """The library: every effect and every sensor's fault, in one tuple."""
 
-from identify.effects.damping import (
-    CUBIC_DAMPING,
-    POSITION_DEPENDENT_DAMPING,
-    QUADRATIC_DAMPING,
-    VISCOUS_DAMPING,
-)
+from identify.effects import contact, damping, friction, joint, memory, pendulum, sensors, stiffness, time
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
-from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICTION, STRIBECK_FRICTION
-from identify.effects.impact import IMPACT
-from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
-from identify.effects.pendulum import PENDULUM_STIFFNESS
-from identify.effects.presliding import DAHL_FRICTION
 from identify.effects.sensor_fault import Allowance, SensorFault
-from identify.effects.sensors import (
-    AC_COUPLING,
-    CHANNEL_GAIN,
-    CHANNEL_LAG,
-    CLIPPING,
-    DROPOUTS,
-    MAINS_HUM,
-    OFFSET_DRIFT,
-    SENSOR_BANDWIDTH,
-    SENSOR_NONLINEARITY,
-)
-from identify.effects.stiffness import (
-    BILINEAR_STIFFNESS,
-    CUBIC_STIFFNESS,
-    END_STOP,
-    FREEPLAY,
-    LINEAR_STIFFNESS,
-    QUADRATIC_STIFFNESS,
-    QUINTIC_STIFFNESS,
-    SIGNED_QUADRATIC_STIFFNESS,
-)
-from identify.effects.time import HARMONIC_FORCING, SETTLING_STIFFNESS, TIME_VARYING_STIFFNESS
 
-BASE: tuple[ForceEffect, ...] = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
+BASE: tuple[ForceEffect, ...] = (
+    stiffness.LINEAR_STIFFNESS,
+    friction.COULOMB_FRICTION,
+    damping.VISCOUS_DAMPING,
+)
 
 DAMPING_BY_ORDER: tuple[ForceEffect, ...] = (
-    COULOMB_FRICTION,
-    VISCOUS_DAMPING,
-    QUADRATIC_DAMPING,
-    CUBIC_DAMPING,
+    friction.COULOMB_FRICTION,
+    damping.VISCOUS_DAMPING,
+    damping.QUADRATIC_DAMPING,
+    damping.CUBIC_DAMPING,
 )
 """The damping |v|^n sgn(v) of each order n that has a name, from n = 0 up."""
 
 STIFFNESS_BY_ORDER: dict[int, ForceEffect] = {
-    1: LINEAR_STIFFNESS,
-    2: QUADRATIC_STIFFNESS,
-    3: CUBIC_STIFFNESS,
-    5: QUINTIC_STIFFNESS,
+    1: stiffness.LINEAR_STIFFNESS,
+    2: stiffness.QUADRATIC_STIFFNESS,
+    3: stiffness.CUBIC_STIFFNESS,
+    5: stiffness.QUINTIC_STIFFNESS,
 }
 """The spring u^n of each order n that has a name."""
 
 LIBRARY: tuple[Effect, ...] = (
     *BASE,
-    QUADRATIC_DAMPING,
-    CUBIC_DAMPING,
-    POSITION_DEPENDENT_DAMPING,
-    STRIBECK_FRICTION,
-    POSITION_DEPENDENT_FRICTION,
-    CUBIC_STIFFNESS,
-    QUADRATIC_STIFFNESS,
-    SIGNED_QUADRATIC_STIFFNESS,
-    QUINTIC_STIFFNESS,
-    PENDULUM_STIFFNESS,
-    END_STOP,
-    IMPACT,
-    FREEPLAY,
-    BILINEAR_STIFFNESS,
-    DAHL_FRICTION,
-    HYSTERESIS,
-    MAXWELL_ELEMENT,
-    SECOND_MASS,
-    TIME_VARYING_STIFFNESS,
-    SETTLING_STIFFNESS,
-    HARMONIC_FORCING,
-    CHANNEL_LAG,
-    CHANNEL_GAIN,
-    OFFSET_DRIFT,
-    CLIPPING,
-    SENSOR_NONLINEARITY,
-    AC_COUPLING,
-    SENSOR_BANDWIDTH,
-    MAINS_HUM,
-    DROPOUTS,
+    damping.QUADRATIC_DAMPING,
+    damping.CUBIC_DAMPING,
+    damping.POSITION_DEPENDENT_DAMPING,
+    friction.STRIBECK_FRICTION,
+    friction.POSITION_DEPENDENT_FRICTION,
+    stiffness.CUBIC_STIFFNESS,
+    stiffness.QUADRATIC_STIFFNESS,
+    stiffness.SIGNED_QUADRATIC_STIFFNESS,
+    stiffness.QUINTIC_STIFFNESS,
+    pendulum.PENDULUM_STIFFNESS,
+    contact.END_STOP,
+    contact.IMPACT,
+    contact.FREEPLAY,
+    stiffness.BILINEAR_STIFFNESS,
+    joint.DAHL_FRICTION,
+    joint.HYSTERESIS,
+    memory.MAXWELL_ELEMENT,
+    memory.SECOND_MASS,
+    time.TIME_VARYING_STIFFNESS,
+    time.SETTLING_STIFFNESS,
+    time.HARMONIC_FORCING,
+    sensors.CHANNEL_LAG,
+    sensors.CHANNEL_GAIN,
+    sensors.OFFSET_DRIFT,
+    sensors.CLIPPING,
+    sensors.SENSOR_NONLINEARITY,
+    sensors.AC_COUPLING,
+    sensors.SENSOR_BANDWIDTH,
+    sensors.MAINS_HUM,
+    sensors.DROPOUTS,
 )
 
 

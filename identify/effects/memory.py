@@ -1,108 +1,36 @@
 """Effects with memory: forces that depend on where the mass has been."""
 
-from math import inf, pi
+from math import pi
 
 import numpy as np
 
-from identify.arrays import Array
-from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
 from identify.effects.force_effect import ForceEffect
-from identify.effects.joint import held_state, joint_force
-
-
-@rate_function
-def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    if p[1] <= 0.0:
-        return 0.0, 0.0
-    if v * z[0] > 0.0:
-        return v * (1.0 - z[0] * z[0]) / p[1], 0.0
-    return v / p[1], 0.0
-
-
-_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0, 5.0, 15.0, 50.0)
-
-
-def _yield_starts(scales: Scales) -> Starts:
-    return tuple((share * scales.amplitude,) for share in (0.1, 0.25, 0.6))
-
-
-HYSTERESIS = ForceEffect(
-    name="hysteresis",
-    title="hysteresis (micro-slip in a joint)",
-    equation="kh uy z,  z' = (v/uy) (1 - z^2 [v z > 0])",
-    parameters=(
-        Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
-        Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
-    ),
-    force=joint_force,
-    rates=_hysteresis_rates,
-    states=1,
-    largest_state=1.0,
-    fading_memory=False,
-    equilibrium_state=held_state,
-    starts=_yield_starts,
-    reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
-    gives_way=lambda p: 0.5 * float(p[1]),
-    symptom="a loop in the plane of displacement and force; softer at large amplitude",
-    confirming_test="the loss per cycle stops growing once the amplitude is well above the yield displacement",
-    confusable_with=("coulomb_friction", "freeplay", "position_dependent_friction"),
-    nonsmooth=True,
-)
-
-
-@force_function
-def _maxwell(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * (u - z[0])
-
-
-@rate_function
-def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return (u - z[0]) / p[1], 0.0
-
-
-_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0, 200.0)
-
-
-def _time_starts(scales: Scales) -> Starts:
-    return tuple((share / scales.frequency,) for share in (0.2, 0.5, 1.2, 3.0, 10.0))
-
-
-def _relaxation_rate(p: Array) -> float:
-    """Return a rate at which a step is about one relaxation time: stable, and fine enough for a state that only follows."""
-    return 0.05 / max(float(p[1]), 1e-4)
-
 
 MAXWELL_ELEMENT = ForceEffect(
     name="maxwell_element",
     title="spring and dashpot in series (Maxwell)",
     equation="k1 (u - q),  q' = (u - q)/tau",
     parameters=(
-        Parameter("k1", "1/s^2", "stiffness per unit mass", 0.0, inf),
-        Parameter("tau", "s", "relaxation time", 0.0, inf),
+        Parameter("k1", "1/s^2", "stiffness per unit mass", 0.0),
+        Parameter("tau", "s", "relaxation time", 0.0),
     ),
-    force=_maxwell,
-    rates=_maxwell_rates,
+    force=lambda t, u, v, z, p: p[0] * (u - z[0]),
+    rates=lambda t, u, v, z, p: ((u - z[0]) / p[1], 0.0),
     states=1,
     proportional=True,
     equilibrium_state=lambda u, p: (u, 0.0),
-    starts=_time_starts,
-    reach=lambda scales: tuple((share / scales.frequency,) for share in _TIMES),
-    fastest_rate=_relaxation_rate,
+    starts=lambda scales: tuple((share / scales.frequency,) for share in (0.2, 0.5, 1.2, 3.0, 10.0)),
+    reach=lambda scales: tuple(
+        (share / scales.frequency,)
+        for share in (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0, 200.0)
+    ),
+    # a step is about one relaxation time: stable, and fine enough for a state that only follows
+    fastest_rate=lambda p: 0.05 / max(float(p[1]), 1e-4),
     symptom="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
     confirming_test="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
     confusable_with=("viscous_damping", "linear_stiffness", "ac_coupling"),
 )
-
-
-@force_function
-def _second_mass(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * (p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1]))
-
-
-@rate_function
-def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])
 
 
 _LOWEST, _HIGHEST = 0.3, 8.0
@@ -153,11 +81,11 @@ SECOND_MASS = ForceEffect(
     equation="ratio (w2^2 (u - y) + 2 zeta w2 (v - y')),  y'' = w2^2 (u - y) + 2 zeta w2 (v - y')",
     parameters=(
         Parameter("ratio", "1", "second mass over the first", 0.0, 1.0),
-        Parameter("w2", "rad/s", "angular frequency of the second mass on its spring", 0.0, inf),
+        Parameter("w2", "rad/s", "angular frequency of the second mass on its spring", 0.0),
         Parameter("zeta", "1", "damping ratio of the second mass", 0.0, 1.0),
     ),
-    force=_second_mass,
-    rates=_second_mass_rates,
+    force=lambda t, u, v, z, p: p[0] * (p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])),
+    rates=lambda t, u, v, z, p: (z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])),
     states=2,
     proportional=True,
     equilibrium_state=lambda u, p: (u, 0.0),

@@ -2,15 +2,8 @@
 
 from math import sin
 
-from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter, Scales
 from identify.effects.force_effect import ForceEffect, LinearPart
-
-
-@force_function
-def _pendulum(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * (sin(u) - u)
-
 
 _LEAST, _MOST = 0.3, 1.5
 """Shares of the whole stiffness between which a softening is called gravity's: beyond, a spring would have to push the
@@ -37,7 +30,7 @@ PENDULUM_STIFFNESS = ForceEffect(
     parameters=(
         Parameter("g", "1/s^2", "moment of gravity per unit inertia, the part of k that is no spring"),
     ),
-    force=_pendulum,
+    force=lambda t, u, v, z, p: p[0] * (sin(u) - u),
     units=("rad",),
     may_be_all_of=LinearPart.STIFFNESS,
     plausible=_is_gravity,

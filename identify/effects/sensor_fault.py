@@ -17,16 +17,19 @@ class SensorFault(Effect):
 
     `observe(time, reading, p)` takes the predicted readings of one channel before its offset, shape (n,), at `time` (s
     since the release) and returns what the faulty sensor would show. `starts(scales, channel)` lists starting values of
-    all parameters, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest` is looked for
+    all parameters, of which the `inner` ones act out of proportion. A fault that `shows_at_rest` is looked for
     there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s). A fault that
     `needs_other_channel` looks like a force where there is one channel only, and is no suspect there. A fault that every
     fit allows for is no suspect either: `allowed_as` says as what, and it is judged by what the fit allowed for.
     """
 
     kind = "sensor"
+    variants: tuple[dict[str, float | str], ...] = tuple(
+        {"channel": channel} for channel in ("displacement", "acceleration", "velocity")
+    )
     observe: Callable[[Array, Array, Array], Array] = field(default=lambda time, reading, p: reading)
     starts: Callable[[Scales, str], Starts] = field(default=lambda scales, channel: ())
-    held_at_first: tuple[str, ...] = ()
+    inner: tuple[str, ...] = ()
     shows_at_rest: bool = False
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
     needs_other_channel: bool = False
@@ -36,11 +39,6 @@ class SensorFault(Effect):
     def corrected_in_every_fit(self) -> bool:
         """Whether every fit allows for this fault, so that it has no parameters of its own there."""
         return bool(self.allowed_as)
-
-    @property
-    def inner(self) -> tuple[str, ...]:
-        """The parameters that act out of proportion."""
-        return self.held_at_first
 
     @property
     def started(self) -> tuple[Parameter, ...]:

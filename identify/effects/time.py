@@ -1,16 +1,9 @@
 """Effects that depend on time itself."""
 
-from math import exp, inf, pi, sin
+from math import exp, pi, sin
 
-from identify.effects.compiled import force_function
-from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
+from identify.effects.effect import Parameter, Scales, Starts, near_harmonic, shares_of
 from identify.effects.force_effect import ForceEffect
-
-
-@force_function
-def _time_varying(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[1] * t * u
-
 
 TIME_VARYING_STIFFNESS = ForceEffect(
     of_time=True,
@@ -19,23 +12,11 @@ TIME_VARYING_STIFFNESS = ForceEffect(
     equation="k rate t u",
     parameters=(Parameter("rate", "1/s", "relative change of the stiffness per second since the release"),),
     shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
-    force=_time_varying,
+    force=lambda t, u, v, z, p: p[0] * p[1] * t * u,
     symptom="the frequency changes with time, not with amplitude",
     confirming_test="a second release at a quarter of the amplitude: the drift with time is the same",
     confusable_with=("settling_stiffness", "cubic_stiffness", "freeplay"),
 )
-
-
-@force_function
-def _settling(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * p[2] * (1.0 - exp(-t / p[1])) * u
-
-
-_TIMES = (0.005, 0.015, 0.04, 0.09, 0.17, 0.3, 0.6, 1.5)
-
-
-def _settling_starts(scales: Scales) -> Starts:
-    return tuple((share * scales.duration,) for share in (0.1, 0.3, 0.8))
 
 
 SETTLING_STIFFNESS = ForceEffect(
@@ -45,12 +26,12 @@ SETTLING_STIFFNESS = ForceEffect(
     equation="k r (1 - exp(-t/tau)) u",
     parameters=(
         Parameter("r", "1", "relative change of the stiffness from the release to the end"),
-        Parameter("tau", "s", "time in which it settles", 0.0, inf),
+        Parameter("tau", "s", "time in which it settles", 0.0),
     ),
     shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
-    force=_settling,
-    starts=_settling_starts,
-    reach=lambda scales: tuple((share * scales.duration,) for share in _TIMES),
+    force=lambda t, u, v, z, p: p[0] * p[2] * (1.0 - exp(-t / p[1])) * u,
+    starts=shares_of("duration", 0.1, 0.3, 0.8),
+    reach=shares_of("duration", 0.005, 0.015, 0.04, 0.09, 0.17, 0.3, 0.6, 1.5),
     plausible=lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
     symptom="the frequency changes with time and then settles, at any amplitude",
     confirming_test="a second release soon after the first: the frequency begins where the first one ended",
@@ -58,12 +39,7 @@ SETTLING_STIFFNESS = ForceEffect(
 )
 
 
-@force_function
-def _forcing(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return -p[0] * sin(2.0 * pi * p[1] * t + p[2])
-
-
-def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+def _line_starts(scales: Scales) -> Starts:
     """Return the lines of all channels with the phases that a force may have beside that of a displacement's line."""
     lines = [line for found in scales.lines.values() for line in found]
     return tuple(
@@ -80,11 +56,11 @@ HARMONIC_FORCING = ForceEffect(
     title="shaking from outside at one frequency",
     equation="-amp sin(2 pi f t + phase)",
     parameters=(
-        Parameter("amp", "m/s^2", "amplitude of the force per unit mass", 0.0, inf),
-        Parameter("f", "Hz", "frequency", 0.0, inf),
+        Parameter("amp", "m/s^2", "amplitude of the force per unit mass", 0.0),
+        Parameter("f", "Hz", "frequency", 0.0),
         Parameter("phase", "rad", "phase at the release"),
     ),
-    force=_forcing,
+    force=lambda t, u, v, z, p: -p[0] * sin(2.0 * pi * p[1] * t + p[2]),
     starts=_line_starts,
     plausible=lambda values, scales: not near_harmonic(values["f"], scales),
     line=True,

@@ -57,9 +57,8 @@ def average(
     damping, stiffening = np.zeros(len(amplitudes)), np.zeros(len(amplitudes))
     settled = True
     for i, amplitude in enumerate(amplitudes):
-        force, angle, calm = _around(effect, p, frequency, float(amplitude), time)
+        force, u, v, calm = _around(effect, p, frequency, float(amplitude), time)
         settled &= calm
-        u, v = amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
         damping[i] = np.mean(force * v) / np.mean(v * v)
         stiffening[i] = np.mean(force * u) / np.mean(u * u)
         if second_order and effect.force is not None and effect.rates is None:
@@ -79,26 +78,25 @@ def _linear(part: LinearPart, strength: float, frequency: float, amplitudes: Arr
     )
 
 
-def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array, Array]:
-    """Return phase, displacement and velocity, (2 points + 1,) each, of one cycle.
+def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array]:
+    """Return displacement and velocity, (2 points + 1,) each, of one cycle.
 
     The points lie between the reversals, never on them, so that the sign of the velocity is never in doubt.
     """
-    return _ANGLE, amplitude * _COSINE, -amplitude * frequency * _SINE
+    return amplitude * _COSINE, -amplitude * frequency * _SINE
 
 
 def _around(
     effect: ForceEffect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
-) -> tuple[Array, Array, bool]:
-    """Return the force (points,) once around, the phase of the points, and whether the internal states are periodic."""
-    angle, u, v = _harmonic(frequency, amplitude)
-    clock = time + (np.zeros(len(angle)) if effect.rates is None else angle / frequency)
+) -> tuple[Array, Array, Array, bool]:
+    """Return force, displacement and velocity (points,) once around, and whether the internal states are periodic."""
+    u, v = _harmonic(frequency, amplitude)
+    clock = time + (np.zeros(len(u)) if effect.rates is None else _ANGLE / frequency)
     start, size = effect.states_at_rest(amplitude, p), effect.state_sizes(amplitude, frequency)
-    periodic, settled = effect.periodic_states(p, clock, u, v, start, size)
-    states = effect.states_along_smooth(p, clock, u, v, periodic)
-    angle, clock, u, v = (values[:-1:2].copy() for values in (angle, clock, u, v))
+    states, settled = effect.periodic_states(p, clock, u, v, start, size)
+    clock, u, v = (values[:-1:2].copy() for values in (clock, u, v))
     level = np.maximum(effect.friction_level_along(p, clock, u, v, states[:-1]), 0.0)
-    return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), angle, settled
+    return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), u, v, settled
 
 
 def _second_order(
@@ -109,17 +107,17 @@ def _second_order(
     They answer the force as x = -f_0/w^2 + sum f_n cos(n theta) / ((n^2 - 1) w^2); the force along u + x is averaged
     again. For k2 u^2 this gives -5 k2^2 A^2 / (6 w^2) (Nayfeh and Mook 1979, 2.1).
     """
-    angle, u, v = _harmonic(frequency, amplitude)
-    theta, speed = angle[:-1:2].copy(), v[:-1:2].copy()
+    theta = _ANGLE[:-1:2]
+    u, v = (values[:-1:2].copy() for values in _harmonic(frequency, amplitude))
     clock, states = np.full(len(theta), time), np.zeros((len(theta), STATES))
 
     def along(displacement: Array) -> Array:
-        return effect.smooth_force_along(p, clock, displacement[:-1:2].copy(), speed, states)
+        return effect.smooth_force_along(p, clock, displacement, v, states)
 
     straight = along(u)
     order = np.arange(2, 13, 2)
     parts = np.array([2.0 * np.mean(straight * np.cos(n * theta)) for n in order])
-    waves = np.cos(np.outer(angle, order))
+    waves = np.cos(np.outer(theta, order))
     answer = waves @ (parts / ((order**2 - 1.0) * frequency**2)) - float(np.mean(straight)) / frequency**2
     largest = float(np.max(np.abs(answer)))
     if largest < 1e-9 * amplitude:
@@ -138,10 +136,6 @@ def force_over_cycle(
     Arguments as for `average`. Internal states are periodic; dry friction is on the side of the velocity.
     """
     p = effect.table(parameters, parameters)
-    if effect.linear_part is not None:
-        _, u, v = (values[:-1:2] for values in _harmonic(frequency, amplitude))
-        along = (u, v, np.sign(v))[effect.linear_part]
-        return np.asarray(p[0] * along)
     return _around(effect, p, frequency, amplitude, time)[0]
 
 
@@ -154,7 +148,7 @@ def mean_force(
         return means
     p = effect.table(parameters, parameters)
     for i, amplitude in enumerate(amplitudes):
-        _, u, v = _harmonic(frequency, float(amplitude))
+        u, v = _harmonic(frequency, float(amplitude))
         along = (np.zeros(len(u) - 1), u[:-1].copy(), v[:-1].copy(), np.zeros((len(u) - 1, STATES)))
         means[i] = np.mean(effect.smooth_force_along(p, *along))
     return means

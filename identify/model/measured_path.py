@@ -20,14 +20,9 @@ def model_force(model: Model, values: Mapping[str, float], time: Array, u: Array
     """
     total = np.zeros(len(u))
     for term in model.forces:
-        total += effect_force(term, values, time, u, v)
+        states = states_along(term, values, time, u, v)
+        total += term.force.force_along(_table(term, values), time, u, v, states)
     return total
-
-
-def effect_force(term: Term, values: Mapping[str, float], time: Array, u: Array, v: Array) -> Array:
-    """Return the force per unit mass of one fitted effect, shape (n,)."""
-    states = states_along(term, values, time, u, v)
-    return term.force.force_along(_table(term, values), time, u, v, states)
 
 
 def states_along(term: Term, values: Mapping[str, float], time: Array, u: Array, v: Array) -> Array:

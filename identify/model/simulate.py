@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array
 from identify.compilation import compiled
-from identify.effects.compiled import address_of_force, address_of_rates, call_force, call_rates
+from identify.effects.compiled import RATES, address_of, call_force, call_rates
 from identify.effects.force_effect import ForceEffect
 
 _STEP_ANGLE = 0.055
@@ -66,7 +66,8 @@ def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type:
                 total += call_force(addresses[i, 0], t, u, v, z, p)
             if addresses[i, 1] != 0:
                 level += call_force(addresses[i, 1], t, u, v, z, p)
-    return -total - s * max(level, 0.0), total, max(level, 0.0)
+    level = max(level, min(linear[2], 0.0))
+    return -total - s * level, total, level
 
 
 @compiled(**_INLINE)
@@ -318,11 +319,11 @@ def simulate(
 ) -> Response:
     """Run the motion from `start` = (displacement m, velocity m/s) at `time` s after the release.
 
-    `linear` is (k 1/s^2, mu_1 1/s, mu_0 m/s^2); `table` (slots, 6) holds the parameters of the slots, `states`
+    `linear` is (k 1/s^2, mu_1 1/s, mu_0 m/s^2), negative too; `table` (slots, 6) holds the parameters of the slots, `states`
     (slots, 2) their internal states at the start; `external` (samples,) a recorded force per unit mass. Displacement
     and velocity are read at `lag` s before each sample. A motion that diverges is filled with inf.
     """
-    dry = bool(linear[2] > 0.0 or system.has_friction)
+    dry = bool(linear[2] != 0.0 or system.has_friction)
     readings = np.empty((3, samples))
     forced = external is not None and len(external) > 1
     memory = system.has_memory or forced
@@ -350,7 +351,5 @@ def make_system(effects: tuple[ForceEffect, ...]) -> System:
     """Make effects (beyond the linear part and Coulomb friction) ready for the simulator."""
     addresses = np.zeros((len(effects), 3), dtype=np.int64)
     for row, effect in zip(addresses, effects, strict=True):
-        row[0] = address_of_force(effect.force)
-        row[1] = address_of_force(effect.friction)
-        row[2] = address_of_rates(effect.rates)
+        row[:] = address_of(effect.force), address_of(effect.friction), address_of(effect.rates, RATES)
     return System(addresses, any(effect.nonsmooth for effect in effects))

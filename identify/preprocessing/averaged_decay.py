@@ -9,12 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.arrays import Array, Mask
+from identify.arrays import Mask
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.decimation import average_blocks, flat_frequency
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
+from identify.preprocessing.sampling import block_means
 from identify.signal.fractional_delay import bridge
 
 BLOCKS_A_CYCLE = 64
@@ -46,7 +47,7 @@ def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
     noise = _noise(aligned.noise, recorded, block)
     std = {f"noise_{name}": max(found.std, 1e-300) for name, found in noise.items()}
     skipped = record.start % block
-    lost = {name: _lost(mask, skipped, block, len(recorded)) for name, mask in aligned.lost.items()}
+    lost = {name: block_means(mask[skipped:], block) >= 1.0 - _HELD for name, mask in aligned.lost.items()}
     return replace(
         aligned,
         recorded=recorded.with_(**std),
@@ -72,16 +73,8 @@ def _average(decay: FreeDecay, lost: dict[str, Mask], block: int) -> tuple[FreeD
         for name, values in decay.channels.items()
     }
     found, begins = average_blocks(decay.with_(**whole, valid=None), block)
-    held = _share(there, decay.start % block, block, len(found)) > _HELD
+    held = block_means(there[decay.start % block :], block) > _HELD
     return found.with_(valid=None if held.all() else held), begins
-
-
-def _share(mask: Mask, skipped: int, block: int, count: int) -> Array:
-    return np.asarray(mask[skipped:][: count * block].reshape(count, block).mean(axis=1))
-
-
-def _lost(mask: Mask, skipped: int, block: int, count: int) -> Mask:
-    return np.asarray(_share(mask, skipped, block, count) >= 1.0 - _HELD)
 
 
 def _noise(before: dict[str, Noise], recorded: FreeDecay, block: int) -> dict[str, Noise]:

@@ -2,23 +2,24 @@
 
 import numpy as np
 
-from identify.arrays import Array, Mask
+from identify.arrays import Array
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.sampling import block_means
 from identify.signal.oscillation import dominant_frequency
 
 ENOUGH = 256
 """Samples a cycle that identification needs; a block's mean is then 2.5e-5 smaller than its middle."""
 
 
-def block_averaged(decay: FreeDecay, enough: int = ENOUGH) -> tuple[FreeDecay, float]:
-    """Return the decay with at most twice `enough` samples a cycle, and the time of its first sample, s.
+def block_averaged(decay: FreeDecay) -> tuple[FreeDecay, float]:
+    """Return the decay with at most twice `ENOUGH` samples a cycle, and the time of its first sample, s.
 
     Unchanged, with 0 s, when it is slow enough already.
     """
     first = next(iter(decay.channels.values()))
     frequency = flat_frequency(first[decay.start :], decay.rate)
-    return average_blocks(decay, int(decay.rate / frequency / enough) if frequency > 0 else 1)
+    return average_blocks(decay, int(decay.rate / frequency / ENOUGH) if frequency > 0 else 1)
 
 
 def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:
@@ -30,20 +31,17 @@ def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:
     if block < 2:
         return decay, 0.0
     skipped = decay.start % block
-    count = (len(decay) - skipped) // block
-
-    def blocks(values: Array | Mask) -> Array:
-        return np.asarray(values[skipped : skipped + count * block].reshape(count, block))
-
     changes: dict[str, object] = {
         "rate": decay.rate / block,
         "rate_std": None if decay.rate_std is None else decay.rate_std / block,
         "release": (decay.start - skipped) // block,
         "rest": (-(-max(decay.rest[0] - skipped, 0) // block), max(decay.rest[1] - skipped, 0) // block),
-        "valid": np.all(blocks(decay.known), axis=1),
+        "valid": block_means(decay.known[skipped:], block) == 1.0,
     }
     forces = {} if decay.force is None else {"force": decay.force}
-    changes |= {name: blocks(values).mean(axis=1) for name, values in (decay.channels | forces).items()}
+    changes |= {
+        name: block_means(values[skipped:], block) for name, values in (decay.channels | forces).items()
+    }
     changes |= {f"noise_{name}": level / np.sqrt(block) for name, level in noise_levels(decay).items()}
     return decay.with_(**changes), (skipped + 0.5 * (block - 1)) / decay.rate
 

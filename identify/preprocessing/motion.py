@@ -1,7 +1,6 @@
 """Motion: displacement, velocity and acceleration that agree with each other."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -57,16 +56,6 @@ class Motion:
         )
 
 
-class _Parts(NamedTuple):
-    displacement: Array
-    velocity: Array
-    acceleration: Array
-    noise_velocity: float | None
-    noise_acceleration: float | None
-    edge: int
-    noise_displacement: float | None = None
-
-
 def reconstruct(decay: FreeDecay) -> Motion:
     """Return displacement, velocity and acceleration that agree, from the release to the end of the record.
 
@@ -82,41 +71,52 @@ def reconstruct(decay: FreeDecay) -> Motion:
             f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."
         )
     known = decay.known[start:]
-    if decay.acceleration is not None and (decay.displacement is not None or decay.velocity is not None):
-        source = f"{'displacement' if decay.displacement is not None else 'velocity'} and acceleration"
-        parts = _from_pair(decay, start)
-    elif decay.displacement is not None:
-        source, parts = "displacement", _from_displacement(decay, start, known)
-    elif decay.velocity is not None:
-        source, parts = "velocity", _from_velocity(decay, start, known)
-    else:
-        source, parts = "acceleration", _from_acceleration(decay, start, known)
+    (name, lowest), *others = decay.channels.items()
+    if others and decay.acceleration is not None:
+        return _from_pair(decay, known, f"{name} and acceleration")
+    values, noise = bridge(lowest[start:], known), noise_levels(decay)[name]
+    frequency = dominant_frequency(values, decay.rate)
+    if frequency <= 0.0:
+        raise NotIdentifiable("The channel holds no oscillation: record a release with a visible decay.")
+    if name == "displacement":
+        return _from_displacement(decay, known, values, noise, frequency)
+    if name == "velocity":
+        return _from_velocity(decay, known, values, noise, frequency)
+    return _from_acceleration(decay, known, values, noise, frequency)
+
+
+def _motion(
+    decay: FreeDecay,
+    known: Mask,
+    source: str,
+    edge: int,
+    parts: tuple[Array, Array, Array],
+    *noise: float | None,
+) -> Motion:
+    """Return displacement, velocity and acceleration, unreliable for `edge` samples at either end, as a motion.
+
+    `noise` is that of velocity, acceleration and, of a loud channel, displacement.
+    """
     reliable = known.copy()
-    reliable[: parts.edge] = False
-    reliable[len(reliable) - parts.edge :] = False
-    return Motion(decay.rate, start, frozen(parts.displacement), frozen(parts.velocity), frozen(parts.acceleration),
-                  frozen_mask(reliable), source, parts.noise_velocity, parts.noise_acceleration,
-                  parts.noise_displacement)  # fmt: skip
+    reliable[:edge] = False
+    reliable[len(reliable) - edge :] = False
+    u, v, a = map(frozen, parts)
+    return Motion(decay.rate, decay.start, u, v, a, frozen_mask(reliable), source, *noise)
 
 
-def _from_pair(decay: FreeDecay, start: int) -> _Parts:
-    pair = cut(pair_of(decay, leave_out_hand=False), start)
+def _from_pair(decay: FreeDecay, known: Mask, source: str) -> Motion:
+    pair = cut(pair_of(decay, leave_out_hand=False), decay.start)
     pair = with_reversals(pair, agree(pair, 0.0, 1.0, free=False))
     found = agree(pair, 0.0, 1.0, free=False)
-    rate, high = pair.rate, found.high
-    noise_low, noise_high = (
-        float(np.sqrt(np.min(pair.variance_low))),
-        float(np.sqrt(np.min(pair.variance_high))),
+    rate, low, high = pair.rate, found.low, found.high
+    noise = _posterior_noise(
+        pair.order, rate, *(float(np.sqrt(np.min(v))) for v in (pair.variance_low, pair.variance_high))
     )
-    noise_velocity, noise_acceleration = _posterior_noise(pair.order, rate, noise_low, noise_high)
     if pair.order == 2:
-        return _Parts(
-            found.low, _slope_of_pair(found.low, high, rate), high, noise_velocity, noise_acceleration, 4
-        )
-    frequency = dominant_frequency(high, rate)
-    raw = integrate(found.low, rate)
-    slow = slow_part(raw, rate, frequency, np.ones(len(raw), dtype=bool))
-    return _Parts(raw - slow.value, found.low, high, noise_velocity, noise_acceleration, 4)
+        return _motion(decay, known, source, 4, (low, _slope_of_pair(low, high, rate), high), *noise)
+    raw = integrate(low, rate)
+    slow = slow_part(raw, rate, dominant_frequency(high, rate), np.ones(len(raw), dtype=bool))
+    return _motion(decay, known, source, 4, (raw - slow.value, low, high), *noise)
 
 
 def _slope_of_pair(low: Array, high: Array, rate: float) -> Array:
@@ -136,25 +136,17 @@ def _posterior_noise(order: int, rate: float, noise_low: float, noise_high: floa
     return float(np.sqrt(np.mean(to_velocity * low))), float(np.sqrt(np.mean(omega ** (2 * order) * low)))
 
 
-def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
-    assert decay.displacement is not None
-    values = bridge(decay.displacement[start:], known)
-    noise = noise_levels(decay)["displacement"]
-    frequency = _frequency(values, decay.rate)
-    loud = _is_loud(values[known], noise, frequency, decay.rate)
-    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known, loud=loud)
-    velocity = slope(smoothed, decay.rate)
-    acceleration = slope(velocity, decay.rate)
-    edge = int(np.ceil(1.0 / corner)) + 2
-    return _Parts(
-        smoothed,
-        velocity,
-        acceleration,
-        _passed(noise, corner, decay.rate, 1),
-        _passed(noise, corner, decay.rate, 2),
-        edge,
-        _passed(noise, corner, decay.rate, 0) if loud else None,
-    )
+def _from_displacement(
+    decay: FreeDecay, known: Mask, values: Array, noise: float, frequency: float
+) -> Motion:
+    rate = decay.rate
+    loud = _is_loud(values[known], noise, frequency, rate)
+    smoothed, corner = smooth_to_noise(values, noise, frequency / rate, known, loud=loud)
+    velocity = slope(smoothed, rate)
+    left, left_in_velocity, left_in_acceleration = (_passed(noise, corner, rate, n) for n in range(3))
+    parts = smoothed, velocity, slope(velocity, rate)
+    noises = left_in_velocity, left_in_acceleration, left if loud else None
+    return _motion(decay, known, "displacement", _edge(corner), parts, *noises)
 
 
 def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool:
@@ -163,57 +155,38 @@ def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool
     return 3.0 * _passed(noise, 5.0 * frequency / rate, rate, 1) > 0.5 * speed
 
 
-def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
-    assert decay.velocity is not None
-    values = bridge(decay.velocity[start:], known)
-    noise = noise_levels(decay)["velocity"]
-    frequency = _frequency(values, decay.rate)
-    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
-    raw = integrate(smoothed, decay.rate)
-    slow = slow_part(raw, decay.rate, frequency, known)
-    acceleration = slope(smoothed, decay.rate) - slow.second
-    edge = int(np.ceil(1.0 / corner)) + 2
-    return _Parts(
-        raw - slow.value,
-        smoothed - slow.first,
-        acceleration,
-        _passed(noise, corner, decay.rate, 0),
-        _passed(noise, corner, decay.rate, 1),
-        edge,
-    )
+def _from_velocity(decay: FreeDecay, known: Mask, values: Array, noise: float, frequency: float) -> Motion:
+    rate = decay.rate
+    smoothed, corner = smooth_to_noise(values, noise, frequency / rate, known)
+    raw = integrate(smoothed, rate)
+    slow = slow_part(raw, rate, frequency, known)
+    parts = raw - slow.value, smoothed - slow.first, slope(smoothed, rate) - slow.second
+    noises = (_passed(noise, corner, rate, n) for n in range(2))
+    return _motion(decay, known, "velocity", _edge(corner), parts, *noises)
 
 
-def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
-    assert decay.acceleration is not None
-    values = bridge(decay.acceleration[start:], known)
-    noise = noise_levels(decay)["acceleration"]
-    frequency = _frequency(values, decay.rate)
+def _edge(corner: float) -> int:
+    """Count the samples at either end that smoothing with a corner (cycles a sample) makes unreliable."""
+    return int(np.ceil(1.0 / corner)) + 2
+
+
+def _from_acceleration(
+    decay: FreeDecay, known: Mask, values: Array, noise: float, frequency: float
+) -> Motion:
+    rate = decay.rate
     centred = values - values.mean()
     excess = np.zeros(len(values))
     for _ in range(2):
-        velocity = integrate(centred, decay.rate, excess)
-        raw = integrate(velocity, decay.rate)
-        slow = slow_part(raw, decay.rate, frequency, known)
+        velocity = integrate(centred, rate, excess)
+        raw = integrate(velocity, rate)
+        slow = slow_part(raw, rate, frequency, known)
         excess = reversal_excess(centred, velocity - slow.first, noise, 1)
     omega = 2.0 * np.pi * frequency
-    noise_velocity = float(noise / np.sqrt(decay.rate * omega))
-    largest = float(np.max(np.abs(smooth(centred, min(5.0 * frequency / decay.rate, 0.5), known))))
-    return _Parts(
-        raw - slow.value,
-        velocity - slow.first,
-        centred - slow.second,
-        noise_velocity,
-        noise,
-        2,
-        noise_velocity / omega if ABOVE_NOISE * noise > 0.5 * largest else None,
-    )
-
-
-def _frequency(values: Array, rate: float) -> float:
-    frequency = dominant_frequency(values, rate)
-    if frequency <= 0.0:
-        raise NotIdentifiable("The channel holds no oscillation: record a release with a visible decay.")
-    return frequency
+    noise_velocity = float(noise / np.sqrt(rate * omega))
+    largest = float(np.max(np.abs(smooth(centred, min(5.0 * frequency / rate, 0.5), known))))
+    parts = raw - slow.value, velocity - slow.first, centred - slow.second
+    noise_displacement = noise_velocity / omega if ABOVE_NOISE * noise > 0.5 * largest else None
+    return _motion(decay, known, "acceleration", 2, parts, noise_velocity, noise, noise_displacement)
 
 
 def _passed(noise: float, corner: float, rate: float, derivatives: int) -> float:

@@ -15,7 +15,7 @@ from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.motion import ABOVE_NOISE, Motion, reconstruct
-from identify.preprocessing.noise import Noise
+from identify.preprocessing.noise import SHORTEST_REST, Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
 from identify.preprocessing.record_use import RecordUse, record_use
@@ -29,7 +29,6 @@ BESIDE_OTHERS = 2.0
 """Cycles that a release must hold which is fitted together with others: it brings its start, they the rest."""
 
 _LAG_REACH = 0.06
-_SHORTEST_REST = 24
 _REVERSAL_MARGIN = 0.02
 """Share of the interval between two samples by which the time of a reversal is uncertain."""
 
@@ -222,13 +221,10 @@ def _force(decay: FreeDecay, release: Release, motion: Motion) -> Array | None:
 
 def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
     first, last = release.rest
-    if last - first < _SHORTEST_REST:
+    if last - first < SHORTEST_REST:
         return None
-    part = slice(first, last)
-    return Rest(
-        decay.time[first:last] - release.time_s,
-        {channel: readings[part] for channel, readings in decay.channels.items()},
-    )
+    readings = {channel: values[first:last] for channel, values in decay.channels.items()}
+    return Rest(decay.time[first:last] - release.time_s, readings)
 
 
 def _without_reversals(
@@ -258,9 +254,7 @@ def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, flo
     The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k).
     """
     amplitude = np.abs(motion.velocity) / frequency
-    floors = [noise["displacement"]] if "displacement" in noise else []
-    floors += [noise["velocity"] / frequency] if "velocity" in noise else []
-    floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []
+    floors = [noise[c] / frequency**order for order, c in enumerate(CHANNELS) if c in noise]
     if motion.noise_displacement is not None:
         floors.append(motion.noise_displacement)
     limit = 2.0 * stuck + ABOVE_NOISE * min(floors)
@@ -284,17 +278,13 @@ def _window(
     lead = int(np.ceil((abs(lag) + 0.2 * reach) * decay.rate)) + 1 if alignment is not None else 1
     part = slice(start, start + length)
     readings = {channel: values[part] for channel, values in decay.channels.items()}
-    used = {}
-    for channel in readings:
-        used[channel] = decay.known[part] & (np.arange(length) >= lead)
-        if channel in lost:
-            used[channel] &= ~lost[channel]
+    compared = decay.known[part] & (np.arange(length) >= lead)
     return FitWindow(
         rate=decay.rate,
         time=(start - release.time_s * decay.rate) / decay.rate,
         readings=readings,
-        used=used,
-        sigma={c: noise[c] for c in readings},
+        used={c: compared & ~lost[c] if c in lost else compared for c in readings},
+        sigma=noise,
         lead=lead,
         lag=lag,
         lag_reach=reach,

@@ -44,11 +44,10 @@ LONG_LOSS = 0.33
 """Share of a cycle from which on lost samples are a hole in the running amplitude; shorter ones are bridged."""
 
 
-def block_means(values: Array, step: int) -> Array:
-    """Return the means of whole blocks of `step` samples."""
+def block_means(values: Array | Mask, step: int) -> Array:
+    """Return the means of whole blocks of `step` samples, of a mask the shares."""
     count = len(values) // step
-    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
-    return means
+    return np.asarray(values[: count * step].reshape(count, step).mean(axis=1))
 
 
 def over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
@@ -56,7 +55,7 @@ def over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
 
     Of blocks of `step` samples; a loss is long from a third of a cycle (`lap` blocks), and is seen one cycle away.
     """
-    blocks = block_means(lost.astype(float), step)[: len(amplitude)] > 0.5
+    blocks = block_means(lost, step)[: len(amplitude)] > 0.5
     unseen = np.zeros(len(amplitude), dtype=bool)
     for begin, end in runs_of(blocks):
         if end - begin > LONG_LOSS * lap:

@@ -1,16 +1,14 @@
 """The restoring force surface, eqs. (13)-(19)."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from identify.arrays import Array, frozen
-from identify.clock_error import with_clock
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
-from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
+from identify.identified import Identified, damping_unit, dampings, estimate, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import reconstruct
@@ -19,34 +17,26 @@ from identify.restoring_force.force_window import ForceWindow, points_of, window
 from identify.restoring_force.surface import Section, grid_of, sections_of
 from identify.signal.order_selection import choose_order
 from identify.signal.weak_form import place_windows
-from identify.summary import Summarised, Summary
-from identify.units import damping_unit, stiffness_unit, with_mass
+from identify.summary import Summary
 
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class RestoringForceResult(Summarised):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class RestoringForceResult(Identified):
     """The result of the restoring force surface.
 
-    `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
-    i = 0..`order` (0 is sgn v); `stiffness_by_order` every displacement order that was kept; `offset` the
-    constant force per unit mass. `mse_percent_by_order` is eq. (18) for damping orders 0..max (fig. 3b),
-    `significance_percent` eq. (19) by term name. Points used, shape (n,): `time` (s, on the record's
+    `stiffness_by_order` holds every displacement order that was kept, `damping` begins with sgn v; `offset` is the
+    constant force per unit mass. `mse_percent` is eq. (18), `significance_percent` eq. (19) by term name.
+    Points used, shape (n,): `time` (s, on the record's
     clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14) and `force_fit`. The surface on a grid:
     `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted. Sections at v = 0 and
-    u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a recorded force says of the mass,
-    in the force's unit over m/s^2, when none was given; None otherwise.
+    u = 0. `mass` is what a recorded force says of the mass, in the force's unit over m/s^2, when none was given; None
+    otherwise.
     """
 
-    stiffness: Estimate
-    stiffness_by_order: dict[int, Estimate]
-    damping: tuple[Estimate, ...]
     offset: Estimate
-    order: int
-    reason: str
     mse_percent: float
-    mse_percent_by_order: tuple[float, ...]
     significance_percent: dict[str, float]
     source: str
     time: Array
@@ -59,13 +49,11 @@ class RestoringForceResult(Summarised):
     surface: Array
     section_zero_velocity: Section
     section_zero_displacement: Section
-    stiffness_per_mass: Estimate
     mass: Estimate | None = None
 
     def brief(self) -> Summary:
         """Return the coefficients with their errors, and why these orders were chosen."""
-        rows = identified_rows(self.stiffness_by_order, self.damping)
-        return Summary("Restoring force surface", (f"{self.reason}.",), ("coefficient", "value"), rows)
+        return Summary("Restoring force surface", (f"{self.reason}.",), ("coefficient", "value"), self.rows)
 
 
 def identify_restoring_force(
@@ -126,20 +114,19 @@ def _result(
     force_fit = polynomial(u, v)
     terms = {_damping_name(i): mu * np.abs(v) ** i * np.sign(v) for i, mu in enumerate(polynomial.damping)}
     terms |= {_power("u", j): chi * u**j for j, chi in polynomial.stiffness.items()}
-    timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
-    damping, stiffness, offset = _estimates(chosen, decay.unit)
-    per_mass = {j: timed(value) for j, value in stiffness.items()}
-    by_order = {
-        j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
-    }
-    first = next(iter(per_mass))
+    std = chosen.std
+    damping_std, stiffness_std, offset_std = np.split(
+        std, [chosen.order + 1, chosen.order + 1 + len(polynomial.stiffness)]
+    )
+    per_mass = stiffnesses(
+        decay, {j: (chi, s) for (j, chi), s in zip(polynomial.stiffness.items(), stiffness_std, strict=True)}
+    )
     grid_u, grid_v, surface = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
     return RestoringForceResult(
-        stiffness=by_order[first],
-        stiffness_by_order=by_order,
-        damping=tuple(timed(value) for value in damping),
-        offset=timed(offset),
+        stiffness_by_order=with_mass(decay, per_mass),
+        damping=dampings(decay, zip(polynomial.damping, damping_std, strict=True)),
+        offset=estimate(decay, polynomial.offset, offset_std[0], damping_unit(0, decay.unit)),
         order=chosen.order,
         reason=reason,
         mse_percent=_mse_percent(force, force_fit),
@@ -158,21 +145,9 @@ def _result(
         surface=surface,
         section_zero_velocity=at_rest,
         section_zero_displacement=at_zero,
-        stiffness_per_mass=per_mass[first],
+        stiffness_per_mass=next(iter(per_mass.values())),
         mass=None if window.force is None or decay.mass is not None else _mass(chosen),
     )
-
-
-def _estimates(fit: ForceFit, unit: str) -> tuple[tuple[Estimate, ...], dict[int, Estimate], Estimate]:
-    """Return damping by order, stiffness per unit mass by its order, and the offset, with their standard errors."""
-    found, std = fit.polynomial, iter(float(x) for x in fit.std)
-    damping = tuple(
-        Estimate(float(mu), next(std), damping_unit(i, unit)) for i, mu in enumerate(found.damping)
-    )
-    stiffness = {
-        j: Estimate(chi, next(std), stiffness_unit(j, False, unit)) for j, chi in found.stiffness.items()
-    }
-    return damping, stiffness, Estimate(found.offset, next(std), damping_unit(0, unit))
 
 
 def _mass(fit: ForceFit) -> Estimate:

@@ -19,8 +19,6 @@ def reversal_excess(high: Array, velocity: Array, noise: float, order: int) -> A
     """
     n = len(high)
     excess = np.zeros(n)
-    if n < 8:
-        return excess
     steps = np.diff(high)
     jump = np.zeros(n - 1)
     jump[1:-1] = steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])

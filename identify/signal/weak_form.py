@@ -130,7 +130,6 @@ class LeastSquares:
     gain: Array
     covariance: Array
     white: Array
-    degrees: int
     chi_square: float
 
 
@@ -151,7 +150,7 @@ def solve(white: Array, right: Array) -> LeastSquares:
     residual = right - white @ values
     degrees = max(1, len(right) - white.shape[1])
     return LeastSquares(
-        values, white, inverse, inverse @ inverse.T, residual, degrees, float(residual @ residual) / degrees
+        values, white, inverse, inverse @ inverse.T, residual, float(residual @ residual) / degrees
     )
 
 

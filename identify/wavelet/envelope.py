@@ -9,27 +9,23 @@ from identify.signal.averaging import integrate_envelope
 
 
 @dataclass(frozen=True, eq=False)
-class EnvelopeFit:
-    """k(0) and c_0..c_n of k' = -sum c_i k^i, with what carries noise of the envelope into them.
+class PhaseFit:
+    """phi(0), w_1 and the slopes with k^2, k^4 of the phase, with what carries noise of the phase into them.
 
-    `parameters` (n + 2,) is k(0), c_0, ..., c_n; `fit` (m,) the integrated envelope; `gain` (n + 2, m)
-    the change of the parameters for a change of each envelope sample; `mse_percent` the misfit,
-    normalised by the envelope's variance as in eq. (18).
+    `parameters` (p,); `fit` (m,) the phase that they give; `gain` (p, m) the change of the parameters for a change of each
+    of its samples.
     """
 
     parameters: Array
     fit: Array
     gain: Array
-    mse_percent: float
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseFit:
-    """phi(0), w_1 and the slopes with k^2, k^4 of the phase; fields as in `EnvelopeFit`."""
+class EnvelopeFit(PhaseFit):
+    """k(0) and c_0..c_n of k' = -sum c_i k^i, likewise; `mse_percent` is the misfit over the variance, as in eq. (18)."""
 
-    parameters: Array
-    fit: Array
-    gain: Array
+    mse_percent: float
 
 
 def cumulative(values: Array, step: float) -> Array:

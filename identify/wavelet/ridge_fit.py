@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.model.simulate import Response
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -23,7 +24,7 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.stick_slip import Decay, RunsAway, simulate_decay
+from identify.wavelet.stick_slip import RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
@@ -126,18 +127,16 @@ def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[i
     return np.asarray(parameters[0] + cumulative(slopes, step))
 
 
-def parameters_of(fit: RidgeFit) -> tuple[Array, Array]:
-    """Return the stiffness k_1, k_2, ... (zero at even orders) and the damping mu_0, ... per unit mass."""
+def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
+    """Return the stiffness k_i by its order i, and the damping mu_0, ... per unit mass."""
     slopes, orders = fit.phase_fit.parameters[1:], fit.stiffness_orders
     w = slopes[0]
     damping = fit.envelope_fit.parameters[1:] / envelope_factors(w, fit.order)
-    stiffness = np.zeros(max(orders))
-    for order, slope, factor in zip(orders, slopes, backbone_factors(orders), strict=True):
-        stiffness[order - 1] = w**2 if order == 1 else 2 * w * slope / factor
-    return stiffness, damping
+    sizes = 2 * w * slopes / backbone_factors(orders)
+    return dict(zip(orders, map(float, sizes), strict=True)) | {1: float(w**2)}, damping
 
 
-def exact_decay(observed: Observed, fit: RidgeFit) -> Decay:
+def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
     """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
@@ -149,7 +148,7 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Decay:
     )
 
 
-def channel_of(decay: Decay, derivatives: int) -> Array:
+def channel_of(decay: Response, derivatives: int) -> Array:
     """Return the displacement, velocity or acceleration of a computed decay."""
     return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
 

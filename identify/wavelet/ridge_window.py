@@ -52,9 +52,11 @@ def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
         raise still
     stop = max(min(large * int(rough.points[1]), len(whole) - start), few)
     angular_frequency = float(np.median(angular[:large]))
-    for _ in range(2):
+    for last in (False, False, True):
         part = slice(start, start + stop)
         observed = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
+        if last:
+            break
         parameters = first_fit(observed, 1, (1,)).envelope_fit.parameters
         dry = parameters[1] * np.pi / 2 / angular_frequency
         # the rough envelope is smeared where the mass sticks: read the end off the fitted one
@@ -63,9 +65,6 @@ def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
         if abs(better - stop) < 0.02 * stop:
             break
         stop = better
-    else:
-        part = slice(start, start + stop)
-        observed = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
     if float(np.median(envelope[:large])) < quiet:
         raise still
     return start, observed

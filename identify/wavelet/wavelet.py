@@ -1,23 +1,22 @@
 """The wavelet identification: envelope and instantaneous frequency on the Morlet ridge, eqs. (5)-(12)."""
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
-from identify.clock_error import clock_sentence, with_clock
+from identify.clock_error import clock_sentence
 from identify.estimate import Estimate
-from identify.formatting import identified_rows
 from identify.free_decay import CHANNELS, FreeDecay
+from identify.identified import Identified, dampings, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
+from identify.preprocessing.sampling import block_means
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
-from identify.summary import Summarised, Summary
-from identify.units import damping_unit, stiffness_unit, with_mass
+from identify.summary import Summary
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
 from identify.wavelet.ridge_fit import (
     Observed,
@@ -43,28 +42,20 @@ _LOST = 100.0  # misfit of the envelope, %, above which a constant one would be 
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class WaveletResult(Summarised):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class WaveletResult(Identified):
     """The result from the envelope and the instantaneous frequency.
 
-    `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
-    i = 0..`order`; `stiffness_by_order` the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5).
-    `mse_percent_by_order` is the misfit of the envelope for orders 0..max (fig. 3a); `reason` and
-    `stiffness_reason` say why the orders were chosen. Arrays on the ridge, shape (n,): `time` (s, on the
+    `stiffness_by_order` holds the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5), and
+    `stiffness_reason` says why; `mse_percent_by_order` is the misfit of the envelope.
+    Arrays on the ridge, shape (n,): `time` (s, on the
     record's clock), `envelope`, `envelope_fit` (m), `frequency` (Hz), `trusted` (False near the ends).
     The envelope is free of the transform's own bias, at the ends too. `reconstruction` is the decay rebuilt
     from the parameters on `time`, in the unit of `channel`. `scalogram` (frequencies, times) is
     the modulus on `scalogram_frequency` (Hz) and `scalogram_time` (s). `backbone_amplitude` (m) and
     `backbone_frequency` (Hz) are the backbone, `backbone_fit` its averaged model.
-    `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out.
     """
 
-    stiffness: Estimate
-    stiffness_by_order: dict[int, Estimate]
-    damping: tuple[Estimate, ...]
-    order: int
-    reason: str
-    mse_percent_by_order: tuple[float, ...]
     channel: str
     time: Array
     envelope: Array
@@ -78,15 +69,13 @@ class WaveletResult(Summarised):
     backbone_amplitude: Array
     backbone_frequency: Array
     backbone_fit: Array
-    stiffness_per_mass: Estimate
     stiffness_reason: str
     clock: str = ""
 
     def brief(self) -> Summary:
         """Return the coefficients with their errors, and why these orders were chosen."""
-        rows = identified_rows(self.stiffness_by_order, self.damping)
         reasons = (f"{self.reason}.", f"{self.stiffness_reason}.", self.clock)
-        return Summary("Wavelet envelope and phase", reasons, ("coefficient", "value"), rows)
+        return Summary("Wavelet envelope and phase", reasons, ("coefficient", "value"), self.rows)
 
 
 def identify_wavelet(
@@ -183,11 +172,8 @@ def _result(
     misfits: tuple[float, ...],
     reasons: tuple[str, str],
 ) -> WaveletResult:
-    by_order, damping = _estimates(decay, observed, fit)
-    stiffness = {
-        order: with_mass(value, order, decay.mass, decay.mass_std, decay.unit)
-        for order, value in by_order.items()
-    }
+    per_mass, damping = _estimates(decay, observed, fit)
+    stiffness = with_mass(decay, per_mass)
     computed = exact_decay(observed, fit)
     reconstruction = channel_of(computed, observed.derivatives)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
@@ -196,7 +182,6 @@ def _result(
     modulus, ladder, columns = _scalogram(observed)
     trusted = ridge["support"] > _TRUSTED
     return WaveletResult(
-        stiffness=stiffness[1],
         stiffness_by_order=stiffness,
         damping=damping,
         order=fit.order,
@@ -215,7 +200,7 @@ def _result(
         backbone_amplitude=frozen(ridge["envelope"][trusted]),
         backbone_frequency=frozen(ridge["frequency"][trusted]),
         backbone_fit=frozen(ridge["averaged"][trusted]),
-        stiffness_per_mass=by_order[1],
+        stiffness_per_mass=per_mass[1],
         stiffness_reason=reasons[1],
         clock=clock_sentence(stiffness.values(), decay.rate, decay.rate_std),
     )
@@ -227,20 +212,11 @@ def _estimates(
     """Stiffness per unit mass by order, and damping, with their standard errors."""
     stiffness, damping = parameters_of(fit)
     w = fit.phase_fit.parameters[1]
-    timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
     of_envelope, of_phase = spreads_of(observed, fit)
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
-    by_order = {
-        order: timed(
-            Estimate(float(stiffness[order - 1]), float(std), stiffness_unit(order, False, decay.unit))
-        )
-        for order, std in zip(fit.stiffness_orders, stiffness_std, strict=True)
-    }
-    return by_order, tuple(
-        timed(Estimate(float(value), float(std), damping_unit(i, decay.unit)))
-        for i, (value, std) in enumerate(zip(damping, damping_std, strict=True))
-    )
+    by_order = {i: (stiffness[i], std) for i, std in zip(fit.stiffness_orders, stiffness_std, strict=True)}
+    return stiffnesses(decay, by_order), dampings(decay, zip(damping, damping_std, strict=True))
 
 
 def _curves(observed: Observed, fit: RidgeFit, reconstruction: Array) -> dict[str, Array]:
@@ -266,8 +242,6 @@ def _scalogram(observed: Observed) -> tuple[Array, Array, Array]:
     ladder = np.geomspace(0.4, 2.5, 40) * observed.angular_frequency / (2 * np.pi)
     ladder = ladder[ladder < 0.5 * observed.rate]
     coarse = max(1, int(observed.rate / (6 * ladder[-1])))
-    samples = bridge(observed.samples, observed.valid)
-    whole = len(samples) // coarse * coarse
-    averaged = samples[:whole].reshape(-1, coarse).mean(axis=1)
+    averaged = block_means(bridge(observed.samples, observed.valid), coarse)
     modulus, columns = scalogram(averaged, observed.rate / coarse, ladder, 200, 1.0)
     return modulus, ladder, columns

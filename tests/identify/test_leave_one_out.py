@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identify.effects.library import CUBIC_STIFFNESS
+from identify.effects.stiffness import CUBIC_STIFFNESS
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import initial_values

@@ -25,16 +25,21 @@ def pendulum(amplitude: float, damping: float, rate: float = 50.0, seconds: floa
 
 @pytest.mark.parametrize(
     ("stiffness", "damping"),
-    [((np.nan,), (0.1, 0.2)), ((600.0,), (0.1, np.inf)), ((600.0, 0.0, -1e7), (0.0, 0.0)), ((1e30,), (0.0,))],
+    [
+        ({1: np.nan}, (0.1, 0.2)),
+        ({1: 600.0}, (0.1, np.inf)),
+        ({1: 600.0, 3: -1e7}, (0.0, 0.0)),
+        ({1: 1e30}, (0.0,)),
+    ],
 )
 def test_coefficients_that_describe_no_decay_are_refused_in_a_sentence(stiffness, damping):
     with pytest.raises(NotIdentifiable, match="would diverge"):
-        simulate_decay(0.02, 0.0, np.array(stiffness), np.array(damping), 1 / 256, 2048)
+        simulate_decay(0.02, 0.0, stiffness, np.array(damping), 1 / 256, 2048)
 
 
 def test_a_softening_spring_within_its_well_is_no_runaway():
     # the well of 600 u - 1e5 u^3 ends at 0.077
-    decay = simulate_decay(0.02, 0.0, np.array([600.0, 0.0, -1e5]), np.array([0.0, 0.2]), 1 / 256, 2048)
+    decay = simulate_decay(0.02, 0.0, {1: 600.0, 3: -1e5}, np.array([0.0, 0.2]), 1 / 256, 2048)
     assert np.max(np.abs(decay.displacement)) == pytest.approx(0.02, rel=1e-9)  # it starts at its largest
 
 

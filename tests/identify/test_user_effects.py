@@ -376,12 +376,10 @@ def test_a_formula_can_be_added_by_hand_and_the_error_falls_to_the_floor():
 
 
 GOOD = """
-from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.user import own_effect
 
-@force_function
 def pull(t, u, v, z, p):
     return p[0] * u / (1.0 + (u / p[1]) ** 2)
 

@@ -53,7 +53,6 @@ def wavelet() -> WaveletResult:
     modulus = np.exp(-0.5 * ((frequency[:, None] - OMEGA / 2 / np.pi) / 0.25) ** 2) * k[None, ::8]
     order = np.argsort(k)
     return WaveletResult(
-        stiffness=Estimate(13115.2, 2.1, "N/m"),
         stiffness_by_order={1: Estimate(13115.2, 2.1, "N/m"), 3: Estimate(1000.0, 9000.0, "N/m^3")},
         damping=(Estimate(0.1302, 0.0007, "m/s^2"), Estimate(0.2765, 0.0021, "1/s")),
         order=1,
@@ -99,7 +98,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         )
 
     return RestoringForceResult(
-        stiffness=Estimate(13114.9, 0.6, "N/m"),
         stiffness_by_order={1: Estimate(13114.9, 0.6, "N/m")},
         damping=(Estimate(0.1298, 0.0004, "m/s^2"), Estimate(viscous, 0.0016, "1/s")),
         offset=Estimate(0.0002, 0.0004, "m/s^2"),

@@ -3,7 +3,7 @@
 import pytest
 
 from identify.diagnosis.diagnose import diagnose
-from identify.effects.library import CUBIC_STIFFNESS
+from identify.effects.stiffness import CUBIC_STIFFNESS
 from identify.fitting.validation import leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model

@@ -6,7 +6,10 @@ import os
 import numpy as np
 import pytest
 
-from identify.effects.library import CUBIC_STIFFNESS, END_STOP, LIBRARY, OFFSET_DRIFT
+from identify.effects.contact import END_STOP
+from identify.effects.library import LIBRARY
+from identify.effects.sensors import OFFSET_DRIFT
+from identify.effects.stiffness import CUBIC_STIFFNESS
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.fitting.parameter_layout import Unknown

@@ -1,6 +1,5 @@
 """Making a user's own effect of its draft: what can be fitted is compiled, what cannot is refused."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import STATES, force_function, rate_function
-from identify.effects.effect import Parameter, Scales
+from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.user.draft import Draft
 from identify.effects.user.equilibrium import comes_to_rest, rest_function
@@ -36,6 +35,7 @@ def finished(
         padded = (*draft.rates, *[ZERO] * (STATES - states))
         rates = rate_function(to_compile(padded, draft.names), cache=False)
     settles = bool(states) and comes_to_rest(rates, states, draw)
+    even = _even(draft, draw)
     return ForceEffect(
         name=draft.name,
         title=f"{draft.name} (your own)",
@@ -51,7 +51,9 @@ def finished(
         else None,
         states=states,
         fading_memory=settles or not states,
-        starts=_starts_function(parameters[1:], starts, _even(draft, draw)),
+        starts=lambda scales: combinations(
+            [starts_of(p, starts.get(p.name, ()), scales, even=p.name in even) for p in parameters[1:]]
+        ),
         nonsmooth=True,
         of_time=draft.of_time,
     )
@@ -130,14 +132,3 @@ def _even(draft: Draft, draw: Draw) -> frozenset[str]:
 def _same(first: Array, second: Array) -> bool:
     size = float(np.max(np.abs(np.nan_to_num(first)), initial=0.0))
     return bool(np.allclose(first, second, rtol=1e-9, atol=1e-12 * size, equal_nan=True))
-
-
-def _starts_function(
-    inner: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]], even: frozenset[str]
-) -> Callable[[Scales], tuple[tuple[float, ...], ...]]:
-    def of(scales: Scales) -> tuple[tuple[float, ...], ...]:
-        return combinations(
-            [starts_of(p, starts.get(p.name, ()), scales, even=p.name in even) for p in inner]
-        )
-
-    return of

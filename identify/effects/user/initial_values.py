@@ -1,7 +1,6 @@
 """Starting values for a user's own effect: from its parameters' units, and the sizes in the data."""
 
 import re
-from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, pi, prod
 
@@ -20,12 +19,8 @@ _NUMBERS = (0.5, 1.0, 2.0)
 _FREQUENCIES = (0.5, 2.0, 3.0)
 
 
-@dataclass(frozen=True)
-class Choice:
-    """Starting values of one parameter; `likely` ones are combined first. Without a unit a length is likely."""
-
-    likely: tuple[float, ...]
-    others: tuple[float, ...] = ()
+Choice = tuple[tuple[float, ...], tuple[float, ...]]
+"""Starting values of one parameter: likely ones, which are combined first, and others. Without a unit a length is likely."""
 
 
 def dimensions_of(unit: str) -> tuple[int, int, str]:
@@ -67,8 +62,8 @@ def problem_of(parameter: Parameter, starts: tuple[float, ...]) -> tuple[str, st
 
 def combinations(choices: list[Choice]) -> tuple[tuple[float, ...], ...]:
     """Return combinations of one value from each choice: first the likely values, then others as room allows."""
-    likely = _drawn([choice.likely for choice in choices], _MOST)
-    both = _drawn([choice.likely + choice.others for choice in choices], _MOST)
+    likely = _drawn([first for first, _ in choices], _MOST)
+    both = _drawn([first + others for first, others in choices], _MOST)
     return tuple(dict.fromkeys((*likely, *both)))[:_MOST]
 
 
@@ -88,7 +83,7 @@ def starts_of(parameter: Parameter, given: tuple[float, ...], scales: Scales, *,
     A length that the force is not `even` in is a place, and tried on both sides.
     """
     if given:
-        return Choice(given)
+        return given, ()
     likely = _by_unit(parameter.unit or "m", scales)
     if parameter.unit in ("m", "") and not even:
         likely = tuple(side * share * scales.amplitude for share in _PLACES for side in (1.0, -1.0))
@@ -98,7 +93,7 @@ def starts_of(parameter: Parameter, given: tuple[float, ...], scales: Scales, *,
     likely, others = (
         tuple(v for v in values if parameter.low <= v <= parameter.high) for values in (likely, others)
     )
-    return Choice(likely or others or _between(parameter), others if likely else ())
+    return likely or others or _between(parameter), others if likely else ()
 
 
 def _by_unit(unit: str, scales: Scales) -> tuple[float, ...]:

@@ -123,14 +123,12 @@ def _compiled(form: CurveForm) -> Any:
         y = (min(max(x, low), high) - low) / step
         total, k = 0.0, 1
         for i in range(count):
-            near, far = abs(y - i), 1.0
+            weight = 1.0
             if i != unit:
-                far = p[k]
+                weight = p[k]
                 k += 1
-            if near < 1.0:
-                total += far * ((2.0 - near) ** 3 - 4.0 * (1.0 - near) ** 3)
-            elif near < 2.0:
-                total += far * (2.0 - near) ** 3
+            away = abs(y - i)
+            total += weight * (max(2.0 - away, 0.0) ** 3 - 4.0 * max(1.0 - away, 0.0) ** 3)
         multiplied = u if factor == 2 else v if factor == 3 else 1.0
         return multiplied * (p[0] * total / 6.0)
 

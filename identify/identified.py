@@ -1,0 +1,108 @@
+"""What both identifications of the paper find: stiffness and damping by order, with their errors and units."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import hypot
+
+from identify.clock_error import with_clock
+from identify.estimate import Estimate
+from identify.formatting import damping_name, quantity
+from identify.free_decay import FreeDecay
+from identify.summary import Summarised
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Identified(Summarised):
+    """Stiffness and damping of a decay.
+
+    `stiffness_by_order` holds K (N/m with a mass, 1/s^2 without) by the order of the displacement, the lowest first,
+    `damping` mu_i per unit mass by order i = 0..`order`, `stiffness_per_mass` (1/s^2) the first stiffness without the mass
+    and its uncertainty. `mse_percent_by_order` is the misfit for damping orders 0..max (fig. 3), `reason` says why the order
+    was chosen.
+    """
+
+    stiffness_by_order: dict[int, Estimate]
+    stiffness_per_mass: Estimate
+    damping: tuple[Estimate, ...]
+    order: int
+    reason: str
+    mse_percent_by_order: tuple[float, ...]
+
+    @property
+    def stiffness(self) -> Estimate:
+        """The stiffness of the lowest order."""
+        return next(iter(self.stiffness_by_order.values()))
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """Name and value of each stiffness and damping coefficient by its order."""
+        found = {
+            "stiffness K" if order == 1 else f"stiffness of order {order}": value
+            for order, value in self.stiffness_by_order.items()
+        }
+        found |= {damping_name(order): value for order, value in enumerate(self.damping)}
+        return [(name, quantity(value)) for name, value in found.items()]
+
+
+def estimate(decay: FreeDecay, value: float, std: float, unit: str) -> Estimate:
+    """Return a value of a decay, the error of its clock in its own."""
+    return with_clock(Estimate(float(value), float(std), unit), decay.rate, decay.rate_std)
+
+
+def dampings(decay: FreeDecay, found: Iterable[tuple[float, float]]) -> tuple[Estimate, ...]:
+    """Return mu_0, mu_1, ... of their values and standard errors."""
+    return tuple(
+        estimate(decay, value, std, damping_unit(order, decay.unit))
+        for order, (value, std) in enumerate(found)
+    )
+
+
+def stiffnesses(decay: FreeDecay, found: dict[int, tuple[float, float]]) -> dict[int, Estimate]:
+    """Return stiffnesses per unit mass, by order, of their values and standard errors."""
+    return {
+        order: estimate(decay, value, std, _stiffness_unit(order, False, decay.unit))
+        for order, (value, std) in found.items()
+    }
+
+
+def with_mass(decay: FreeDecay, per_mass: dict[int, Estimate]) -> dict[int, Estimate]:
+    """Return stiffnesses times the mass, the mass's uncertainty with it; unchanged where the mass is unknown."""
+    mass, mass_std = decay.mass, decay.mass_std or 0.0
+    if mass is None:
+        return per_mass
+    return {
+        order: Estimate(
+            k.value * mass,
+            hypot(k.std * mass, k.value * mass_std),
+            _stiffness_unit(order, True, decay.unit),
+        )
+        for order, k in per_mass.items()
+    }
+
+
+def damping_unit(order: int, unit: str) -> str:
+    """Return the unit of mu_i, a force per unit mass over the i-th power of a velocity.
+
+    `unit` is that of the displacement ("m" or "rad"): order 0 gives m/s^2, 1 gives 1/s, 2 gives 1/m,
+    3 gives s/m^2.
+    """
+    if order == 0:
+        return f"{unit}/s^2"
+    if order == 1:
+        return "1/s"
+    time = "" if order == 2 else "s" if order == 3 else f"s^{order - 2}"
+    length = unit if order == 2 else f"{unit}^{order - 1}"
+    return f"{time or '1'}/{length}"
+
+
+def _stiffness_unit(order: int, mass_known: bool, unit: str) -> str:
+    """Return the unit of a stiffness of odd or even `order`: N/m^i with a mass, 1/s^2/m^(i-1) without.
+
+    For an angle a known inertia makes the numerator a moment, N m.
+    """
+    power = unit if order == 1 else f"{unit}^{order}"
+    if mass_known:
+        return f"{'N m' if unit == 'rad' else 'N'}/{power}"
+    if order == 1:
+        return "1/s^2"
+    return f"1/(s^2 {unit if order == 2 else f'{unit}^{order - 1}'})"
