@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from daq.importing.columns import meaning, words
+from daq.importing.columns import meaning
 from daq.importing.options import ImportOptions
-from daq.importing.still import is_measurable
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_scaled_unit
 from daq.recording import Array
@@ -21,11 +20,6 @@ FEWEST_JUMPS = 2
 FEWEST_VALUES = 10
 FEWEST_BEYOND = 3
 """Different numbers behind the jumps: a reading that was lost is written as one and the same, 0 or a full word."""
-
-STEPS = frozenset({
-    "dt", "delta", "diff", "difference", "step", "increment", "previous", "last", "differenz", "schritt", "letzte",
-})  # fmt: skip
-"""Words of a time that is counted from the line before."""
 
 SMOOTH = 0.25
 """Share of the range by which a column counted on may change between two rows: more, and it is not known which way."""
@@ -87,35 +81,3 @@ def counted_on_by(values: Array, step: float) -> Array:
 
 def _turns(values: Array, step: float) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.rint(np.diff(values) / step))])
-
-
-def with_stamps(table: Table, options: ImportOptions) -> Table:
-    """Return the table with its only time, where it holds the steps since the line before, summed up to time stamps."""
-    times = [c for c in table.columns if meaning(c.label, c.unit).quantity == "time"]
-    asked = options.rate is not None or "time" in options.columns or table.rate is not None
-    if asked or len(times) != 1 or not STEPS & set(words(times[0].label)) or not _are_steps(times[0]):
-        return table
-    column = times[0]
-    said, step = meaning(column.label, column.unit), float(np.median(column.values[1:]))
-    text = said.unit_text or (
-        "ms" if step >= 1.0 and np.all(column.values == np.rint(column.values)) else "s"
-    )
-    note = (
-        f"{column.place} holds steps of about {step:.4g} {text}, not times: "
-        "it was taken as the time since the line before, and summed up"
-    )
-    stamps = np.cumsum(column.values) - column.values[0]
-    made = replace(column, label="time", values=stamps, unit=text, quantity="time", steps=True)
-    columns = tuple(made if c is column else c for c in table.columns)
-    return replace(table, columns=columns, notes=(*table.notes, note))
-
-
-def _are_steps(column: SourceColumn) -> bool:
-    """Check whether a column's numbers, after the first, are positive and nearly alike, and no times."""
-    values, steps = column.values, column.values[1:]
-    if column.bad is not None or column.clock or len(values) < FEWEST_VALUES or not np.isfinite(values).all():
-        return False
-    middle = float(np.median(steps))
-    if not is_measurable(values) or not middle > 0.0 or float(np.min(values)) < 0.0:
-        return False
-    return bool(np.mean(np.abs(steps - middle) <= 0.5 * middle) > 0.9 and not np.all(steps > values[:-1]))

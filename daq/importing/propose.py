@@ -7,12 +7,11 @@ from typing import cast
 
 import numpy as np
 
-from daq.importing.accelerometer import has_gravity, with_moving_axis
 from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
-from daq.importing.choose import Choice, choose_columns, left_out
-from daq.importing.counted_on import counted_on, with_stamps
+from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
+from daq.importing.counted_on import counted_on
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
@@ -84,7 +83,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
     made = certain or made
     notes = {run.table.run: (*run.notes[len(table.notes) :], *left) for run in made}
-    recipe = _recipe(table, [run.run for run in found], made, options)
+    recipe = _recipe(table, made, options)
     return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
 
 
@@ -103,30 +102,24 @@ def _chosen(table: Table, runs: list[Table], options: ImportOptions) -> list[Tab
     )  # fmt: skip
 
 
-def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: ImportOptions) -> Recipe:
+def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recipe:
     """Join all runs into one recipe: a column has one role, in one run or in all."""
-    cut = made[0].table.cut
     roles: dict[int, Column] = {}
     for run in made:
         for field in run.fields:
             number = field.column or 0
             known = roles.get(number)
             if known is None:
-                roles[number] = field.model_copy(update={"run": "" if cut is not None else run.table.run})
+                roles[number] = field.model_copy(update={"run": run.table.run})
             else:
                 roles[number] = known.model_copy(update={"run": "", "wraps": known.wraps or field.wraps})
-    if cut:
-        roles[cut] = Column(column=cut, role="run")
-    kept = tuple(run.table.run for run in made)
     part = Part.model_validate({"from": options.start, "to": options.stop})
     return Recipe(
         format=table.format,
         encoding=table.encoding,
         rate=made[0].rate,
         resample=options.resample,
-        restarts=cut == 0,
         stated=stated(table),
-        runs=kept if cut is not None and set(kept) != set(found) else (),
         parts=() if part == Part() else (part,),
         dialect=table.dialect,
         fields=_listed(table, roles),
@@ -148,7 +141,7 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
 
 def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
     """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
-    table = with_angle(with_moving_axis(with_stamps(counted_on(run, options), options), options), options)
+    table = with_angle(counted_on(run, options), options)
     notes, doubts = list(table.notes), list(table.doubts)
     choices = choose_columns(table, options, notes, doubts)
     label = choices["displacement"].column.label if "displacement" in choices else ""
@@ -219,7 +212,7 @@ def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
     if column.arc is not None:
         x, y = column.arc
         return Column(column=x, role="x"), Column(column=y, role="y")
-    quantity = cast(Role, "time_step" if column.steps else choice.quantity)
+    quantity = cast(Role, choice.quantity)
     return (Column(column=column.number, role=quantity, unit=unit, wraps=column.wraps),)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from daq.importing.errors import problem
 from daq.importing.held_readings import held_readings
-from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
+from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -107,7 +107,7 @@ def from_stamps(
     spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     if stray > TOO_IRREGULAR * slope and not spline and not coarse:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise no_clock(table, column, (time, rows, first), worst, (slope, stray))
+        raise no_clock(table, column, (time, rows, first), _gap(time), worst, (slope, stray))
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
         slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
@@ -247,11 +247,7 @@ def _in_order(
     if len(back):
         depth = float(np.max(np.maximum.accumulate(time) - time))
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
-            raise problem(
-                table.path, f"the time stamp jumps back from {time[back[0]]:.6g} s to {time[back[0] + 1]:.6g} s",
-                f"split the file there; or {USE_RATE}",
-                line=table.line(int(rows[back[0] + 1])), column=column.number,
-            )  # fmt: skip
+            raise begins_again(table, column, time, rows)
         order = np.argsort(time, kind="stable")
         time, rows = time[order], rows[order]
         notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
@@ -278,6 +274,16 @@ def _in_order(
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
     return _line(np.arange(len(time)), time)[2]
+
+
+def _gap(time: Array) -> int | None:
+    """Return the row behind the widest gap, where the larger part of the stamps beside it is even; else None."""
+    gap = int(np.argmax(np.diff(time))) + 1
+    part = time[:gap] if 2 * gap >= len(time) else time[gap:]
+    if len(part) < 3 or not part[-1] - part[0] > SHORTEST_PERIOD * len(part):
+        return None
+    slope, _, stray, _ = _line(np.arange(len(part)), part)
+    return gap if stray <= TOO_IRREGULAR * slope else None
 
 
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:
