@@ -4,10 +4,8 @@ import io
 import os
 import subprocess
 import sys
-import zlib
-from contextlib import suppress
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -89,8 +87,6 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
         f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
         "save only the channels of one recording",
     )  # fmt: skip
-    if not _is_version_4(data) and _unpacked(data) > MAX_BYTES:
-        raise large
     limits = map(str, (MAX_NUMBERS, MAX_ARRAYS))
     reader = [sys.executable, "-P", mat_reader.__file__, *limits]  # -P: no module of the working folder
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
@@ -112,22 +108,6 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
         )
     with np.load(io.BytesIO(done.stdout)) as found:
         return [(name, found[f"arr_{i}"]) for i, name in enumerate(found["names"].tolist())]
-
-
-def _unpacked(data: bytes) -> int:
-    """Add up the bytes to which the compressed variables of a version 5 file unpack, as they themselves say."""
-    order: Literal["little", "big"] = "little" if data[126:128] == b"IM" else "big"
-    at, total = 128, 0
-    while at + 8 <= len(data):
-        kind, size = (int.from_bytes(data[i : i + 4], order) for i in (at, at + 4))
-        if kind == COMPRESSED:
-            with suppress(zlib.error):
-                head = zlib.decompressobj().decompress(data[at + 8 : at + 8 + size], 8)
-                total += int.from_bytes(head[4:8], order)
-        elif kind != MATRIX:
-            break
-        at += 8 + size
-    return total
 
 
 def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:

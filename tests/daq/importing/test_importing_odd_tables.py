@@ -270,12 +270,17 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize(("form", "names"), [("a list", ["1", "2"]), ("keys", ["4", "7"])])
-def test_runs_in_json_are_runs(tmp_path: Path, form: str, names: list[str]) -> None:
-    runs = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
-    assert [r.run for r in runs] == names
-    np.testing.assert_array_equal(runs[0].samples[0], X)
-    np.testing.assert_array_equal(runs[1].samples[0], V[:90])
+@pytest.mark.parametrize(("form", "key"), [("a list", "runs.2"), ("keys", "run7")])
+def test_of_several_tables_in_json_the_largest_is_read_and_a_recipe_names_another(
+    tmp_path: Path, form: str, key: str
+) -> None:
+    (largest,) = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
+    np.testing.assert_array_equal(largest.samples[0], X)
+    assert f"not read: the table under '{key}'" in said(largest)
+    fields = [{"name": "t", "role": "time"}, {"name": "x", "role": "displacement"}]
+    recipe = Recipe.model_validate({"fields": fields, "dialect": {"property": key}})
+    (other,) = look_at(tmp_path / "a.json", recipe=recipe).read().recordings
+    np.testing.assert_array_equal(other.samples[0], V[:90])
 
 
 def test_json_of_a_record_a_line_and_of_channels_is_read(tmp_path: Path) -> None:
