@@ -52,10 +52,9 @@ def table_of(path: Path, lines: Sequence[str], decimal: str | None) -> tuple[For
         return None
     first, row = next((i, row) for i, row in enumerate(rows) if row is not None)
     clock, labels, units = row.shape
-    above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
-    names = labels if above is None else above
     cells = [
-        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
+        f"{name} ({unit})" if name and unit else name or unit
+        for name, unit in zip(labels, units, strict=True)
     ]
     header = "\t".join([*(["time"] if clock else []), *cells])
     made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
@@ -111,13 +110,3 @@ def _row(line: str) -> _Row | None:
         tuple(item[3] or "" for item in items),
         tuple(item[2] for item in items),
     )
-
-
-def _names_above(lines: Sequence[str], count: int) -> tuple[str, ...] | None:
-    """Return the names in the last line above the rows, if there are as many."""
-    last = next((line for line in reversed(lines) if line.strip()), "")
-    for delimiter in ("\t", ";", ","):
-        names = [name.strip().strip('"') for name in last.split(delimiter)]
-        if len(names) == count:
-            return tuple(names)
-    return None
