@@ -14,10 +14,11 @@ from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
 from daq.importing.counted_on import counted_on
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
 from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
-from daq.importing.runs import find_runs
+from daq.importing.runs import find_runs, pieces
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, guess_time_unit
 from daq.importing.units import Unit
@@ -113,17 +114,14 @@ def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recip
                 roles[number] = field.model_copy(update={"run": run.table.run})
             else:
                 roles[number] = known.model_copy(update={"run": "", "wraps": known.wraps or field.wraps})
-    part = Part.model_validate({"from": options.start, "to": options.stop})
-    return Recipe(
-        format=table.format,
-        encoding=table.encoding,
-        rate=made[0].rate,
-        resample=options.resample,
-        stated=stated(table),
-        parts=() if part == Part() else (part,),
-        dialect=table.dialect,
-        fields=_listed(table, roles),
-    )
+    found: dict[str, object] = {
+        "format": table.format,
+        "encoding": table.encoding,
+        "rate": made[0].rate,
+        "stated": stated(table),
+    }
+    found |= {"dialect": table.dialect, "fields": _listed(table, roles)}
+    return options.as_recipe().model_copy(update=found)
 
 
 def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
@@ -232,7 +230,14 @@ def _derived(
     readings = readings_of(table, MappingProxyType(by_number))
     quantities = [q for q in ORDER if q in readings]
     values = np.array([readings[q].in_si(table, q) for q in quantities])
-    clock = clock_of(table, readings, values, recipe, Part())
+    try:
+        clock = clock_of(table, readings, values, recipe, (recipe.parts or (Part(),))[0])
+    except NoClock as refusal:
+        again = recipe.model_copy(update=dict(refusal.remedy))
+        if again == recipe:
+            raise
+        first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
+        return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
     uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
     stamps = clock.stamps if uneven and not clock.coarse else None

@@ -134,14 +134,17 @@ def read_recipe(path: Path) -> Recipe:
     except OSError as error:
         raise problem(path, f"the recipe cannot be read ({error.strerror})", "check its name") from None
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
-        said = first["msg"].removeprefix("Value error, ")
-        raise problem(
-            path, f"{place}: {said}" if place else said, "see the form in docs/importing.md"
-        ) from None
+        raise problem(path, first_error(error), "see the form in docs/importing.md") from None
     except (ValueError, RecursionError) as error:
         raise problem(path, f"is no recipe in TOML ({error})", "repair it, or import without it") from None
+
+
+def first_error(error: ValidationError) -> str:
+    """Return the first of pydantic's errors in one line."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
+    said = first["msg"].removeprefix("Value error, ")
+    return f"{place}: {said}" if place else said
 
 
 def to_toml(recipe: Recipe) -> str:
