@@ -88,19 +88,20 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
 
 
+def _asked_run(options: ImportOptions) -> str:
+    """Return the run that the operator named, "" for all."""
+    text = str(options.run or "").strip().casefold()
+    return "" if options.run is None or text == "all" else text.lstrip("#").lstrip("0") or "0"
+
+
 def _chosen(table: Table, runs: list[Table], options: ImportOptions) -> list[Table]:
-    """Return the run that the operator named, or all."""
-    if options.run is None or str(options.run).casefold() == "all":
-        return runs
-    wanted = str(options.run).strip().lstrip("#").lstrip("0") or "0"
-    found = [run for run in runs if run.run.casefold() == wanted.casefold()]
-    if found:
-        return found
-    names = ", ".join(run.run for run in runs if run.run)
-    raise problem(
-        table.path, f"has no run '{options.run}'",
-        f"it holds runs {names}" if names else "it holds one recording: leave --run out",
-    )  # fmt: skip
+    """Return the run that the operator named, or all; where none has a name, it is one of those that the time begins."""
+    wanted = _asked_run(options)
+    found = [run for run in runs if run.run.casefold() == wanted] if wanted and runs[0].run else runs
+    if not found:
+        names = ", ".join(run.run for run in runs)
+        raise problem(table.path, f"has no run '{options.run}'", f"it holds runs {names}")
+    return found
 
 
 def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recipe:
@@ -121,6 +122,8 @@ def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recip
         "stated": stated(table),
     }
     found |= {"dialect": table.dialect, "fields": _listed(table, roles)}
+    if _asked_run(options) and not made[0].table.run:
+        found |= {"restarts": True, "runs": (_asked_run(options),)}
     return options.as_recipe().model_copy(update=found)
 
 
