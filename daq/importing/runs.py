@@ -91,18 +91,11 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
         if named is None:
             rest.append(column)
         else:
-            groups.setdefault(named[1], []).append(_called(column, named[0]))
+            groups.setdefault(named[1], []).append(replace(column, label=named[0]))
     times = [c for c in rest if _is_time(c)]
     if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
         return []
     return _accepted(table, groups, times, timeless=shared)
-
-
-def _called(column: SourceColumn, name: str) -> SourceColumn:
-    """Return a column under its name in the run; one that is only called `run 2` is the displacement."""
-    if name or column.unit:
-        return replace(column, label=name)
-    return replace(column, label="", quantity=column.quantity or "displacement")
 
 
 def _by_times(table: Table) -> list[Table]:
