@@ -7,7 +7,8 @@ from types import MappingProxyType
 from pydantic import ValidationError
 
 from daq.importing.errors import ImportProblem
-from daq.importing.recipe import Column, Part, Recipe, first_error
+from daq.importing.recipe import Column, Part, Recipe
+from daq.plain_text import first_fault
 
 MOTIONS = ("displacement", "velocity", "acceleration")
 QUANTITIES = ("time", *MOTIONS, "force")
@@ -65,7 +66,7 @@ class ImportOptions:
         try:
             self.as_recipe()
         except ValidationError as error:
-            raise ImportProblem(first_error(error)) from None
+            raise ImportProblem(first_fault(error)) from None
         if self.angle_from is not None and "displacement" in self.columns:
             raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
 
