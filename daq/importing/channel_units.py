@@ -39,10 +39,9 @@ def _finite(column: SourceColumn) -> Array:
 
 
 def _swing(column: SourceColumn) -> float:
-    """Return the swing of a column about its median, 0 where it jumps by a turn in radians."""
+    """Return the swing of a column about its median."""
     finite = _finite(column)
-    jumps = np.max(np.abs(np.diff(finite)), initial=0.0) > 0.9 * TURN and np.max(np.abs(finite)) < 1.1 * TURN
-    return 0.0 if jumps else float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
+    return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
 
 
 def is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:

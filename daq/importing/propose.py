@@ -68,7 +68,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     Raises ImportProblem where an option contradicts the file, or nothing in it can be a motion.
     """
     found = find_runs(table, options)
-    chosen = _chosen(table, found, options)
+    chosen = [counted_on(run, options) for run in _chosen(table, found, options)]
     made: list[_Run] = []
     refused: list[ImportProblem] = []
     turns = units_of_angles(chosen)
@@ -142,7 +142,7 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
 
 def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
     """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
-    table = with_angle(counted_on(run, options), options)
+    table = with_angle(run, options)
     notes, doubts = list(table.notes), list(table.doubts)
     choices = choose_columns(table, options, notes, doubts)
     label = choices["displacement"].column.label if "displacement" in choices else ""

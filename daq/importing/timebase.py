@@ -168,17 +168,14 @@ def _stamps(
     rows = np.flatnonzero(np.isfinite(column.values))
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
-    if len(rows) < len(stamps):
-        missing = int(np.flatnonzero(~np.isfinite(stamps))[0])
-        if len(rows) < 0.9 * len(stamps) or len(rows) < 2:
-            raise problem(
-                table.path, f"{len(stamps) - len(rows)} of {len(stamps)} time stamps are empty",
-                USE_RATE,
-                line=table.line(missing), column=column.number,
-            )  # fmt: skip
-        notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
-    if len(rows) < 2:
-        raise problem(table.path, "has fewer than two samples", "record again or name another file")
+    empty = len(stamps) - len(rows)
+    if len(rows) < max(2, 0.9 * len(stamps)):
+        raise problem(
+            table.path, f"{empty} of {len(stamps)} time stamps are empty", USE_RATE,
+            line=table.line(int(np.argmin(np.isfinite(stamps)))) if len(stamps) else None, column=column.number,
+        )  # fmt: skip
+    if empty:
+        notes.append(f"{empty} rows without a time stamp were left out")
     time = _over_midnight(stamps[rows], notes) if column.clock else stamps[rows]
     own = start * unit.scale
     part = (own + time >= between[0]) & (own + time <= between[1])
