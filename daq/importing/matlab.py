@@ -11,7 +11,7 @@ import numpy as np
 
 from daq.importing import mat_reader
 from daq.importing.errors import problem
-from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
+from daq.importing.limits import MAX_NUMBERS, require_table
 from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table, common_length
@@ -21,7 +21,6 @@ from daq.recording import Array
 Numbers = np.ndarray[Any, np.dtype[Any]]
 MAX_ARRAYS = 20_000
 LONGEST_S = 120.0
-MATRIX, COMPRESSED = 14, 15
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -84,7 +83,7 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
     """
     large = problem(
         path, f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ARRAYS} arrays, "
-        f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
+        "or asks for too much memory",
         "save only the channels of one recording",
     )  # fmt: skip
     limits = map(str, (MAX_NUMBERS, MAX_ARRAYS))

@@ -74,10 +74,7 @@ def no_clock(
             {"parts": (Part.model_validate({option: first + float(time[at])}),)}, certain=share > NEARLY_ALL,
         )  # fmt: skip
     slope, stray = line
-    what = (
-        f"the time stamps stray by {milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
-        f"{100 * stray / slope:.0f} % of a sampling interval"
-    )
+    what = strays(stray, slope)
     todo = f"put the samples on an even clock with --resample; or {USE_RATE}"
     remedy: dict[str, Any] = {"resample": True}
     if np.mean(np.diff(time) == 0.0) >= OFTEN_EQUAL:
@@ -86,6 +83,9 @@ def no_clock(
     return NoClock(place(table.path, table.line(worst), column.number), f"{what}; {todo}", remedy)
 
 
-def milli(seconds: float) -> str:
-    """Return a time in words, in milliseconds."""
-    return f"{seconds * 1e3:.3g} ms"
+def strays(stray: float, slope: float) -> str:
+    """Say by how much stamps stray (rms, s) from an even clock of this interval (s)."""
+    return (
+        f"the time stamps stray by {1e3 * stray:.3g} ms rms from an even clock of {1.0 / slope:.6g} Hz "
+        f"({100.0 * stray / slope:.2g} % of a sampling interval)"
+    )

@@ -7,7 +7,7 @@ import numpy as np
 
 from daq.importing.errors import problem
 from daq.importing.held_readings import held_readings
-from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, milli, no_clock
+from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -114,8 +114,8 @@ def from_stamps(
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(
-            f"the time stamps stray by {milli(stray)} rms from an even clock, that is no more than the rounding of the "
-            f"stamps to {milli(quantum(time))}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
+            f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
+            f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
         notes.extend(_evenness(slope, stray, resample))
@@ -206,15 +206,10 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
 def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
     if stray <= EVEN * slope:
         return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
-    text = (
-        f"the time stamps stray by {milli(stray)} rms from an even clock of {1 / slope:.6g} Hz "
-        f"({100 * stray / slope:.2g} % of a sampling interval)"
-    )
+    done = "the mean rate is used and nothing was resampled (--resample does)"
     if resample:
-        return (
-            f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",
-        )
-    return (f"{text}; the mean rate is used and nothing was resampled (--resample does)",)
+        done = "the samples were put on the even clock by a cubic spline through their stamps, as asked"
+    return (f"{strays(stray, slope)}; {done}",)
 
 
 def _rate(rate: float, std: float) -> str:
