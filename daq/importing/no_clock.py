@@ -87,5 +87,5 @@ def strays(stray: float, slope: float) -> str:
     """Say by how much stamps stray (rms, s) from an even clock of this interval (s)."""
     return (
         f"the time stamps stray by {1e3 * stray:.3g} ms rms from an even clock of {1.0 / slope:.6g} Hz "
-        f"({100.0 * stray / slope:.2g} % of a sampling interval)"
+        f"({100.0 * stray / slope:.3g} % of a sampling interval)"
     )
