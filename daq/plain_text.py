@@ -32,10 +32,11 @@ def in_one_line(message: _M) -> _M:
 
 
 def first_fault(error: ValidationError) -> str:
-    """Say where the first fault of a validation is, and what it is."""
+    """Say where the first fault of a validation is, members of a list counted from 1, and what it is."""
     first = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in first["loc"])[:200]
-    return f"{where}: {first['msg']}" if where else str(first["msg"])
+    where = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])[:200]
+    said = first["msg"].removeprefix("Value error, ")
+    return f"{where}: {said}" if where else said
 
 
 Line = Annotated[str, AfterValidator(one_line)]

@@ -6,6 +6,7 @@ from daq.importing.recipe import Recipe, read_recipe
 
 OF = {
     "labelled/tower_alone.txt": "tower",
+    "labelled/tower_pendulum_free.txt": "tower",
     "labelled/tower_pendulum_locked.txt": "tower",
     "labelled/water_gauge_with_damper.txt": "water_gauge",
     "labelled/water_gauge_without_damper.txt": "water_gauge",

@@ -314,8 +314,4 @@ def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Time
                 f"{len(holes)} of {len(channel)} samples of the {quantity} are empty or not finite{where}; "
                 "they count as invalid"
             )
-    if max(int(np.count_nonzero(~np.isfinite(c))) for c in values) > len(clock.rows) // 2:
-        notes.append(
-            f"more than half of the samples are invalid: check whether {' and '.join(quantities)} were sampled together"
-        )
     return notes

@@ -39,10 +39,9 @@ def _finite(column: SourceColumn) -> Array:
 
 
 def _swing(column: SourceColumn) -> float:
-    """Return the swing of a column about its median, 0 where it jumps by a turn in radians."""
+    """Return the swing of a column about its median."""
     finite = _finite(column)
-    jumps = np.max(np.abs(np.diff(finite)), initial=0.0) > 0.9 * TURN and np.max(np.abs(finite)) < 1.1 * TURN
-    return 0.0 if jumps else float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
+    return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
 
 
 def is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
@@ -107,18 +106,12 @@ def of_one_kind(
     """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
     kinds = [q for q in QUANTITIES[1:] if q in choices and units[q].quantity is not None]
     lead = next((q for q in kinds if choices[q].asked), kinds[0] if kinds else "")
-    kept = dict(choices)
-    for quantity in kinds:
-        if units[quantity].angular == units[lead].angular:
-            continue
-        column = kept.pop(quantity).column
+    left = [q for q in kinds if units[q].angular != units[lead].angular]
+    for quantity in left:
         said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
+        notes.append(
+            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
+        )
         if choices[quantity].asked == choices[lead].asked:
-            si = (SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si
-            doubts.append(
-                f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)}), or give a scale that makes "
-                f"them alike, as in --unit {quantity}='4.0 {si}'"
-            )
-        else:
-            notes.append(f"{column.place} was left out: {said} would mix an angle with a length")
-    return kept
+            doubts.append(f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)})")
+    return {q: choice for q, choice in choices.items() if q not in left}

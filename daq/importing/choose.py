@@ -1,5 +1,6 @@
 """Which column is which quantity: what the options say, else what the headers say; where they do not, a doubt."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,7 @@ from daq.importing.options import MOTIONS, NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.still import amplitude, oscillation
 from daq.importing.table import SourceColumn, Table, listed, named
-from daq.importing.units import COUNT
+from daq.importing.units import COUNT, STANDARD_GRAVITY
 from daq.recording import Array
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
@@ -20,8 +21,16 @@ AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") fo
 TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
 """Words of the size of a vector, beside its axes."""
 
-AXIS_MOVES, CHANNEL_MOVES = 5.0, 20.0
-"""So many times as much one axis moves as the others, or one of several like channels as those that stand still."""
+AXIS_MOVES, SENSOR_MOVES, CHANNEL_MOVES = 5.0, 1.3, 20.0
+"""So many times as much one axis moves as the others, one of a sensor with three, or one of several like channels as those
+that stand still.
+"""
+
+GRAVITY_WITHIN = 0.03
+"""Gravity is found again to 3 %: the calibration of a phone's accelerometer."""
+
+_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?([xyz])(?: .*)?")
+
 
 REPEATS = 0.9999
 """Correlation from which on a column is another one in another unit."""
@@ -125,7 +134,11 @@ def _found(
     likely = [c for c in likely if meanings[c.number].strength == best]
     likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
-        likely = _finest(likely, notes) if is_time else _moving(likely, meanings, notes)
+        likely = (
+            _finest(likely, notes)
+            if is_time
+            else _moving(_of_a_sensor(likely, meanings, notes), meanings, notes)
+        )
     if len(likely) < 2 or all(np.array_equal(likely[0].values, c.values, equal_nan=True) for c in likely):
         return likely[0] if likely else None
     if beside and not is_time:
@@ -150,6 +163,31 @@ def _finest(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceCol
     kept = [c for c, n in zip(left, stamps, strict=True) if 2 * n > max(stamps)]
     notes += [f"{c.place} is a coarser time than {kept[0].place}: left out" for c in columns if c not in kept]
     return kept
+
+
+def has_gravity(values: Array) -> bool:
+    """Check whether the numbers, in m/s^2, swing about plus or minus the acceleration of gravity."""
+    finite = values[np.isfinite(values)]
+    return bool(len(finite)) and abs(abs(float(np.median(finite))) / STANDARD_GRAVITY - 1.0) < GRAVITY_WITHIN
+
+
+def _of_a_sensor(
+    columns: list[SourceColumn], said: Mapping[int, Meaning], notes: list[str]
+) -> list[SourceColumn]:
+    """Return the axis that moves most of a sensor of three, where the columns are such; else the columns."""
+    names = [" ".join(words(split_unit(c.label)[0])) for c in columns]
+    axes = sorted(match[1] for name in names if (match := _AXIS.fullmatch(name)))
+    meant = said[columns[0].number]
+    if axes != ["x", "y", "z"] or len(columns) > 3 or meant.quantity not in ("velocity", "acceleration"):
+        return columns
+    first, second, _ = sorted(columns, key=lambda c: -amplitude(c.values))
+    if SENSOR_MOVES * amplitude(second.values) > amplitude(first.values):
+        return columns
+    notes.append(f"{', '.join(c.place for c in columns)} are the axes of a sensor; {first.place} moves most")
+    mean = np.linalg.norm([np.nanmedian(c.values) for c in columns]) * (
+        meant.unit.scale if meant.unit else 1.0
+    )
+    return [replace(first, gravity=has_gravity(np.atleast_1d(mean)))]
 
 
 def _moving(

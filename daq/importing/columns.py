@@ -2,7 +2,6 @@
 
 import re
 import unicodedata
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -107,27 +106,17 @@ def split_unit(header: str) -> tuple[str, str, Unit | None]:
         if match and (unit := parse_unit(match[2])):
             return match[1].strip(), match[2].strip(), unit
     parts = header.split("_")
-    for size in (3, 2, 1):  # acceleration_m_s_2, acceleration_m_s2, time_s
-        if len(parts) > size and (unit := parse_unit("_".join(parts[-size:]))):
-            return "_".join(parts[:-size]), "_".join(parts[-size:]), unit
-    if (inside := _unit_inside(parts)) is not None:
-        return inside
+    end = len(parts)
+    while end > 1 and (parts[end - 1].casefold() in KINDS or parts[end - 1].isdigit()):
+        end -= 1
+    for stop in (len(parts), end):
+        for size in (3, 2, 1):  # acceleration_m_s_2, acceleration_m_s2, time_s, angle_deg_raw
+            text = "_".join(parts[stop - size : stop])
+            known = stop == len(parts) or len(text) > 1 or text in ("g", "V")
+            if stop > size and known and (unit := parse_unit(text)):
+                return "_".join((*parts[: stop - size], *parts[stop:])), text, unit
     unit = parse_unit(header) if len(header) > 1 or header in ("m", "g", "N", "°") else None
     return ("", header, unit) if unit else (header, "", None)
-
-
-def _unit_inside(parts: Sequence[str]) -> tuple[str, str, Unit] | None:
-    """Return name, unit's text and unit where the unit stands before words of which kind the reading is: `x_mm_raw`."""
-    after = len(parts)
-    while after > 1 and (parts[after - 1].casefold() in KINDS or parts[after - 1].isdigit()):
-        after -= 1
-    if after == len(parts):
-        return None
-    for size in (3, 2, 1):
-        text = "_".join(parts[after - size : after])
-        if after > size and (len(text) > 1 or text in ("g", "V")) and (unit := parse_unit(text)):
-            return "_".join((*parts[: after - size], *parts[after:])), text, unit
-    return None
 
 
 def words(name: str) -> tuple[str, ...]:

@@ -1,121 +1,59 @@
-"""Numbers that begin again: an angle after a turn, a counter whose word is full, a sign read as a large number.
+"""Angles that begin again after a turn: a pendulum that hangs at 0 is written as 359, 0, 1.
 
-A pendulum that hangs at 0 is written as 359, 0, 1; a gyroscope's -3 in two bytes as 65533. Between two rows such a column
-jumps by more than half of its range, and counted on it goes on smoothly.
+Between two rows such a column jumps by nearly a turn, and counted on it goes on smoothly. Of a counter whose word is full a
+recipe says so (`wraps`), and the check of the readings sees it.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from daq.importing.columns import meaning, words
+from daq.importing.columns import meaning
 from daq.importing.options import ImportOptions
-from daq.importing.still import is_measurable
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_scaled_unit
 from daq.recording import Array
 
-WORDS = tuple(2.0**bits for bits in (10, 12, 14, 16, 32))
 TURNS = (2.0 * float(np.pi), 360.0)
 FEWEST_JUMPS = 2
-FEWEST_VALUES = 10
-FEWEST_BEYOND = 3
-"""Different numbers behind the jumps: a reading that was lost is written as one and the same, 0 or a full word."""
-
-STEPS = frozenset({
-    "dt", "delta", "diff", "difference", "step", "increment", "previous", "last", "differenz", "schritt", "letzte",
-})  # fmt: skip
-"""Words of a time that is counted from the line before."""
-
 SMOOTH = 0.25
-"""Share of the range by which a column counted on may change between two rows: more, and it is not known which way."""
+"""Share of a turn by which an angle counted on may change between two rows: more, and it is not known which way."""
 
 
 def counted_on(table: Table, options: ImportOptions) -> Table:
-    """Return a table whose columns of readings go on where their numbers begin again, with a sentence on each."""
+    """Return a table whose angles go on where their numbers begin again, with a sentence on each."""
     columns, notes = [], []
     asked = parse_scaled_unit(options.units.get("displacement", ""))
     for column in table.columns:
-        readable = column.bad is None and not column.clock
-        found = _without_jumps(column, asked is not None and asked.angular) if readable else None
-        if found is not None:
-            values, step, jumps = found
-            what = "a turn" if step in TURNS else f"{step:g}"
-            notes.append(
-                f"{column.place} jumps by {what} {jumps} times, where its numbers wrap round: the jumps were removed"
-            )
-            column = replace(column, values=values, wraps=step)
+        said = meaning(column.label, column.unit)
+        angle = said.quantity == "displacement" and said.angular
+        angle = angle or (asked is not None and asked.angular and said.quantity in (None, "displacement"))
+        turn, jumps = _turn(column) if angle and column.bad is None and not column.clock else (None, 0)
+        if turn is not None:
+            notes.append(f"{column.place} jumps by a turn {jumps} times: the jumps were removed")
+            column = replace(column, values=counted_on_by(column.values, turn), wraps=turn)
         columns.append(column)
     return replace(table, columns=tuple(columns), notes=(*table.notes, *notes)) if notes else table
 
 
-def _without_jumps(column: SourceColumn, asked_angle: bool) -> tuple[Array, float, int] | None:
-    """Return a column counted on, the range after which its numbers begin again, and how often they do; None if never."""
-    there = np.isfinite(column.values)
-    values = column.values[there]
-    if len(np.unique(values[:1000])) < FEWEST_VALUES:
-        return None
-    said = meaning(column.label, column.unit)
-    angle = said.quantity == "displacement" and said.angular
-    angle = angle or (asked_angle and said.quantity in (None, "displacement"))
-    whole = bool(np.all(values == np.rint(values)))
-    low, high = float(values.min()), float(values.max())
-    for step in (*(TURNS if angle else ()), *(WORDS if whole else ())):
-        if high > step or low < -0.5 * step or (low < 0.0 and high > 0.5 * step):
-            continue
+def _turn(column: SourceColumn) -> tuple[float | None, int]:
+    """Return the turn after which an angle begins again, None if it does not, and how often it does."""
+    values = column.values[np.isfinite(column.values)]
+    for turn in TURNS if len(values) else ():
+        low, high = float(values.min()), float(values.max())
+        inside = high <= turn and low >= -0.5 * turn and (low >= 0.0 or high <= 0.5 * turn)
         change = np.diff(values)
-        jumps = int(np.count_nonzero(np.abs(change) > 0.5 * step))
-        left = change - step * np.rint(change / step)
-        if jumps < FEWEST_JUMPS or float(np.max(np.abs(left))) > SMOOTH * step:
-            continue
-        turns = _turns(values, step)
-        usual, counts = np.unique(turns, return_counts=True)
-        if len(np.unique(values[turns != usual[np.argmax(counts)]])) < FEWEST_BEYOND:
-            continue
-        return counted_on_by(column.values, step), step, jumps
-    return None
+        jumps = int(np.count_nonzero(np.abs(change) > 0.5 * turn))
+        left = np.abs(change - turn * np.rint(change / turn))
+        if inside and jumps >= FEWEST_JUMPS and float(left.max()) <= SMOOTH * turn:
+            return turn, jumps
+    return None, 0
 
 
 def counted_on_by(values: Array, step: float) -> Array:
     """Return numbers that begin again after `step`, counted on, their median within half a `step` of 0; NaN stay."""
     there = np.isfinite(values)
-    on = values[there] - step * _turns(values[there], step)
+    on = np.unwrap(values[there], period=step)
     made = values.copy()
     made[there] = on - step * np.rint(np.median(on) / step)
     return made
-
-
-def _turns(values: Array, step: float) -> Array:
-    return np.concatenate([[0.0], np.cumsum(np.rint(np.diff(values) / step))])
-
-
-def with_stamps(table: Table, options: ImportOptions) -> Table:
-    """Return the table with its only time, where it holds the steps since the line before, summed up to time stamps."""
-    times = [c for c in table.columns if meaning(c.label, c.unit).quantity == "time"]
-    asked = options.rate is not None or "time" in options.columns or table.rate is not None
-    if asked or len(times) != 1 or not STEPS & set(words(times[0].label)) or not _are_steps(times[0]):
-        return table
-    column = times[0]
-    said, step = meaning(column.label, column.unit), float(np.median(column.values[1:]))
-    text = said.unit_text or (
-        "ms" if step >= 1.0 and np.all(column.values == np.rint(column.values)) else "s"
-    )
-    note = (
-        f"{column.place} holds steps of about {step:.4g} {text}, not times: "
-        "it was taken as the time since the line before, and summed up"
-    )
-    stamps = np.cumsum(column.values) - column.values[0]
-    made = replace(column, label="time", values=stamps, unit=text, quantity="time", steps=True)
-    columns = tuple(made if c is column else c for c in table.columns)
-    return replace(table, columns=columns, notes=(*table.notes, note))
-
-
-def _are_steps(column: SourceColumn) -> bool:
-    """Check whether a column's numbers, after the first, are positive and nearly alike, and no times."""
-    values, steps = column.values, column.values[1:]
-    if column.bad is not None or column.clock or len(values) < FEWEST_VALUES or not np.isfinite(values).all():
-        return False
-    middle = float(np.median(steps))
-    if not is_measurable(values) or not middle > 0.0 or float(np.min(values)) < 0.0:
-        return False
-    return bool(np.mean(np.abs(steps - middle) <= 0.5 * middle) > 0.9 and not np.all(steps > values[:-1]))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.importing import serial_text
-from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
+from daq.importing.dialect import BLANK, NAMES, Dialect, decode, find_dialect, is_comment, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import headers, names_in, rate_above, units_above
 from daq.importing.limits import require_lines, require_table
@@ -109,49 +109,38 @@ def _cell_by_cell(
     path: Path, lines: list[str], rows: list[int], dialect: Dialect, notes: list[str]
 ) -> tuple[list[Parsed], list[int]]:
     """Return the columns of a table with holes, remarks, quotes, text or lines of uneven length."""
-    remarks = [i for i in rows if lines[i].lstrip().startswith(COMMENTS)]
+    cut = dialect.delimiter
+    remarks = [i for i in rows if is_comment(lines[i])]
+    rows = [i for i in rows if not is_comment(lines[i])]
     if remarks:
         notes.append(
-            f"between the rows {_counted(len(remarks), 'line is a remark and was', 'lines are remarks and were')} left out, "
-            f"{'the first ' if len(remarks) > 1 else ''}line {remarks[0] + 1}"
+            f"remarks between the rows were left out: {len(remarks)}, the first line {remarks[0] + 1}"
         )
-        rows = [i for i in rows if not lines[i].lstrip().startswith(COMMENTS)]
-    footer = 0
-    while len(rows) > 1 and not _has_number(split(lines[rows[-1]], dialect.delimiter), dialect.decimal):
+    last = len(rows)
+    while len(rows) > 1 and not _has_number(split(lines[rows[-1]], cut), dialect.decimal):
         rows.pop()
-        footer += 1
-    if footer:
-        notes.append(f"{footer} lines at the end hold no numbers and were left out")
+    if len(rows) < last:
+        notes.append(f"{last - len(rows)} lines at the end hold no numbers and were left out")
     width = max(dialect.width, 1)
     ends_within = len(rows) > 1 and rows[-1] == len(lines) - 1  # no line break: the file was cut off
-    if ends_within and len(split(lines[rows[-1]], dialect.delimiter)) < width:
+    if ends_within and len(split(lines[rows[-1]], cut)) < width:
         notes.append(f"line {rows.pop() + 1}, the last, is cut short and was left out")
-    lengths = [len(split(lines[i], dialect.delimiter)) for i in rows]
-    for row, length in zip(rows, lengths, strict=True):
-        if length > width:
-            cells = split(lines[row], dialect.delimiter)
-            extra = next((j for j in range(width, len(cells)) if cells[j].strip()), None)
-            if extra is not None:
-                raise problem(
-                    path,
-                    f"this row has {length} cells where the others have {width}",
-                    "repair the line, or give the delimiter and the decimal sign",
-                    line=row + 1,
-                    column=extra + 1,
-                )
-    short = [k for k, length in enumerate(lengths) if length < width]
+    lengths = [len(split(lines[i], cut)) for i in rows]
+    short = [k for k, n in enumerate(lengths) if n < width]
+    long = [
+        k
+        for k, n in enumerate(lengths)
+        if n > width and any(map(str.strip, split(lines[rows[k]], cut)[width:]))
+    ]
+    if long or len(short) > max(1, len(rows) // 20):
+        first, *others = long or short
+        raise problem(
+            path, f"this row has {lengths[first]} cells where most have {width}, and {len(others)} more are like it",
+            "repair the file, or give the delimiter and the decimal sign", line=rows[first] + 1,
+        )  # fmt: skip
     if short:
-        first = rows[short[0]] + 1
-        if len(short) > max(1, len(rows) // 20):
-            raise problem(
-                path,
-                f"this row has {lengths[short[0]]} cells where most have {width}, and {len(short)} rows are like it",
-                "repair the file, or give the delimiter and the decimal sign",
-                line=first,
-            )
-        notes.append(
-            f"{len(short)} rows are cut short (first line {first}); their missing cells count as invalid"
-        )
+        where = f"first line {rows[short[0]] + 1}"
+        notes.append(f"{len(short)} rows are cut short ({where}); their missing cells count as invalid")
     columns: list[Parsed] = []
     several = max(AT_ONCE // len(rows), 1)
     for left in range(0, width, several):
@@ -164,10 +153,6 @@ def _cells(line: str, delimiter: str, left: int, right: int) -> list[str]:
     """Return the cells of a line from column `left` up to `right`, empty ones where it is cut short."""
     cells = split(line, delimiter)[left:right]
     return cells + [""] * (right - left - len(cells))
-
-
-def _counted(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
 
 
 def _counts(column: Parsed) -> bool:

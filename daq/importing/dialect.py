@@ -18,6 +18,10 @@ BLANK = " "
 COMMENTS = ("#", "%", "//", "!", "'", "*")
 DELIMITERS = (";", "\t", ",", "|", BLANK)
 NAMES = {";": "semicolon", "\t": "tab", ",": "comma", "|": "bar", BLANK: "blank"}
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
+)  # fmt: skip
 _SAMPLE_LINES = 300
 _SAMPLE_REST = 100
 _SAMPLE_CHARACTERS = 800_000
@@ -42,35 +46,21 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
     """
     require_size(path, len(data), MAX_TEXT, " of text")
     require_few(path, max(data.count(b"\n"), data.count(b"\r")), MAX_LINES, "lines")
-    if encoding is not None:
-        try:
-            return _lines(data, encoding), f"the text was read as {encoding}, as asked"
-        except (LookupError, UnicodeError, ValueError) as error:
-            raise problem(path, f"cannot be read as {encoding} ({error})", "name another encoding") from None
-    marks = (
-        (codecs.BOM_UTF8, "utf-8-sig"),
-        (codecs.BOM_UTF32_LE, "utf-32"),
-        (codecs.BOM_UTF16_LE, "utf-16"),
-        (codecs.BOM_UTF16_BE, "utf-16"),
-    )
-    name = next((name for mark, name in marks if data.startswith(mark)), None)
-    if name is None and b"\0" in data[:4000]:
-        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
-        if max(even, odd) <= 0.4 * len(data[:4000]):
-            raise _binary(path)
-        name = "utf-16-le" if odd > even else "utf-16-be"
+    marked = next((name for mark, name in MARKS if data.startswith(mark)), None)
+    name = encoding or marked or "utf-8"
+    if name.startswith("utf-8") and sum(map(data.count, _ODD)) > 3 + len(data) // 1000:
+        raise problem(
+            path, "is not text, nor a MATLAB or UFF file that can be read",
+            "name its encoding, as --encoding utf-16-le, or export the recording as CSV and import that",
+        )  # fmt: skip
     try:
-        plain = data if name in (None, "utf-8-sig") else data.decode(name).encode()
-        if sum(map(plain.count, _ODD)) > 3 + len(data) // 1000:
-            raise _binary(path)
-        lines = _lines(plain, "utf-8-sig")
-    except UnicodeError:
-        if name is not None:
-            raise problem(
-                path, f"begins as {name} text but does not continue as such", "save it again as text"
-            ) from None
-        lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
-    return lines, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
+        said = f"the text was read as {name}{', as asked' if encoding else ''}"
+        return _lines(data, name), said if not name.startswith("utf-8") or encoding else ""
+    except (LookupError, UnicodeError, ValueError) as error:
+        if name != "utf-8" or encoding:
+            todo = "name another encoding, or save it again as text"
+            raise problem(path, f"cannot be read as {name} ({error})", todo) from None
+    return _lines(data, "cp1252", "replace"), "the text was read as windows-1252 (latin-1)"
 
 
 def _lines(data: bytes, encoding: str, errors: str = "strict") -> list[str]:
@@ -78,14 +68,6 @@ def _lines(data: bytes, encoding: str, errors: str = "strict") -> list[str]:
     text = TextIOWrapper(BytesIO(data), encoding, errors, newline=None)
     lines = [line.rstrip("\n").replace("\x1a", "").replace("\0", "") for line in text]
     return [*lines, ""] if data.endswith((b"\n", b"\r")) else lines
-
-
-def _binary(path: Path) -> Exception:
-    return problem(
-        path,
-        "is not text, nor a MATLAB or UFF file that can be read",
-        "export the recording as CSV and import that",
-    )
 
 
 def split(line: str, delimiter: str) -> list[str]:

@@ -1,9 +1,7 @@
 """Readings that are held: a program that asks a sensor faster than it answers writes each answer again until the next.
 
 A row that repeats the one before while the mass moves fast is no new reading. The sensor answers by a clock of its own,
-which the rows that bring a new reading follow to within the interval between two questions. Where few rows repeat one, as
-where a film's frames were doubled to a higher rate, new readings come in nearly every row, and the rows that repeat one
-tell the clock: each lies in the last part of a period, as long as the period is longer than the interval.
+which the rows that bring a new reading follow to within the interval between two questions.
 """
 
 import numpy as np
@@ -17,7 +15,6 @@ LARGE_STEP = 4.0
 
 FEWEST_INTERVALS = 24
 FEWEST_CHANGES = 40
-FEWEST_REPEATS = 12
 REPEATED = (0.05, 0.95)
 """Shares of the rows of a fast motion that repeat the one before between which readings are held, if by a clock."""
 
@@ -41,75 +38,38 @@ def held_readings(time: Array, values: Array) -> Rebuilt | None:
         return None
     new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
     asked, changes = float(np.median(steps)), time[new]
-    size = _steps_in_quanta(values)
-    period, rows = _interval(time, size, new)
-    share = 1.0 - 1.0 / rows
-    if not REPEATED[0] <= share <= REPEATED[1] or len(changes) < FEWEST_CHANGES:
+    at = np.flatnonzero(new)
+    large = _is_large(values)[at]
+    both = large[1:] & large[:-1]
+    between = np.diff(changes)[both]
+    if len(between) < FEWEST_INTERVALS or len(changes) < FEWEST_CHANGES:
+        return None
+    near = between < 3.0 * np.median(between)
+    rows = float(
+        np.mean(np.diff(at)[both][near])
+    )  # stamps may be rounded: 0.03 s is written for most frames of a film
+    if not REPEATED[0] <= 1.0 - 1.0 / rows <= REPEATED[1]:
         return None
     shortest = asked / (1.0 - 0.5 * REPEATED[0])
-    clock = _clock(changes, period, shortest, asked, FEWEST_CHANGES)
-    if clock is None:
-        repeats = time[_surely_held(size, new)]
-        clock = _clock(repeats, period, shortest, -asked, FEWEST_REPEATS)
-    if clock is None:
+    period, regular, centre = _period(changes, float(np.mean(between[near])), shortest)
+    spread = asked / period  # by so much of a period the readings of a clock are late, evenly
+    if spread > 1.0 or regular < max(REGULAR * float(np.sinc(spread)), 4.0 / np.sqrt(len(changes))):
         return None
-    return _on_its_clock(time, *clock, asked, float(np.mean(~new)))
+    error = spread * period**2 / np.sqrt(len(changes)) / max(changes[-1] - changes[0], period)
+    return _on_its_clock(time, period, error, centre, asked, float(np.mean(~new)))
 
 
-def _steps_in_quanta(values: Array) -> Array:
-    """Return the largest step of a channel to each row, shape (n,), in what its readings differ by at least.
+def _is_large(values: Array) -> Mask:
+    """Return which rows, (n,), a channel reaches by a large step, in what its readings differ by at least.
 
     A converter's step, or a picture's pixel, need not be a round number in the unit of the file.
     """
-    size = np.zeros(values.shape[1])
+    large = np.zeros(values.shape[1], dtype=bool)
     for channel in values:
-        step = np.abs(np.diff(channel, prepend=channel[0]))
-        rounded = quantum(channel)
-        apart = step[step > 0.5 * rounded]
-        least = max(rounded, float(np.min(apart, initial=np.inf)) if len(apart) else 0.0)
-        size = np.fmax(size, step / max(least, 1e-300))
-    return size
-
-
-def _interval(time: Array, size: Array, new: Mask) -> tuple[float, float]:
-    """Return the mean time (s) and the mean number of rows between two new readings that both are large steps; 0 s and
-    one row where there are too few.
-
-    Rows are counted, for their stamps may be rounded: 0.03 s is written for most frames of a film at 30 Hz.
-    """
-    at = np.flatnonzero(new)
-    large = size[at] > LARGE_STEP
-    both = large[1:] & large[:-1]
-    between = np.diff(time[at])[both]
-    if len(between) < FEWEST_INTERVALS:
-        return 0.0, 1.0
-    near = between < 3.0 * np.median(between)
-    return float(np.mean(between[near])), float(np.mean(np.diff(at)[both][near]))
-
-
-def _surely_held(size: Array, new: Mask) -> Mask:
-    """Return which rows repeat the one before between two large steps, (n,): one row alone, which no rounding repeats."""
-    held = np.zeros(len(new), dtype=bool)
-    held[2:-1] = ~new[2:-1] & (size[1:-2] > LARGE_STEP) & (size[3:] > LARGE_STEP)
-    return held
-
-
-def _clock(
-    events: Array, period: float, shortest: float, asked: float, fewest: int
-) -> tuple[float, float, float] | None:
-    """Return period, its error and the middle (s) of new readings' times by rows that bring one, or, where `asked` is
-    negative, by rows that repeat one; None where they do not come by a clock.
-    """
-    if len(events) < fewest:
-        return None
-    period, regular, centre = _period(events, period, shortest)
-    # A clock's readings are seen evenly spread over so much of a period, and repeated over the rest of it.
-    spread = asked / period if asked > 0.0 else 1.0 + asked / period
-    if spread > 1.0 or regular < max(REGULAR * float(np.sinc(spread)), 4.0 / np.sqrt(len(events))):
-        return None
-    middle = centre if asked > 0.0 else centre + 0.5 * period
-    span = max((events[-1] - events[0]) / period, 1.0)
-    return period, spread * period / np.sqrt(len(events)) / span, middle
+        step, rounded = np.abs(np.diff(channel, prepend=channel[0])), quantum(channel)
+        least = np.min(step[step > 0.5 * rounded], initial=np.inf)
+        large |= step > LARGE_STEP * max(rounded, float(least) if np.isfinite(least) else 1e-300)
+    return large
 
 
 def _period(changes: Array, period: float, shortest: float) -> tuple[float, float, float]:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
-FEWEST, MANY, MOST_MEMBERS = 3, 8, 1000
+FEWEST, MANY, MOST_MEMBERS, MOST_NAMED = 3, 8, 1000, 8
 MOST_MEMORY = 600_000_000
 BYTES_FOR = ((b"{", 250), (b"[", 100), (b",", 40), (b"", 5))
 """What Python keeps for an object, a list, a member, and each byte at most, bytes."""
@@ -34,10 +34,6 @@ class _Found:
     path: str
     names: tuple[str, ...]
     columns: tuple[Array, ...]
-
-    @property
-    def size(self) -> int:
-        return len(self.columns[0]) * len(self.columns)
 
 
 def is_json(data: bytes) -> bool:
@@ -59,12 +55,13 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         )  # fmt: skip
     document = _document(path, data, recipe.encoding)
     wanted = recipe.dialect
-    found = _table_in(_way(document, wanted.property or "")[-1], wanted.property or "", 0)
-    if found is None:
+    tables = list(_tables_in(_way(document, wanted.property or "")[-1], wanted.property or "", 0))
+    if not tables:
         raise problem(
             path, f"holds no table of numbers{f' under {wanted.property!r}' if wanted.property else ''}",
             'give rows, records or columns under one key, as {"data": [[0.0, 1.2], ...]}',
         )  # fmt: skip
+    found = max(tables, key=lambda table: len(table.columns[0]) * len(table.columns))
     require_table(path, len(found.columns[0]), len(found.columns))
     settings: dict[str, Any] = {}
     names = found.names
@@ -80,10 +77,23 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     if wanted.item_keys:
         made = [column for name in wanted.item_keys for column in made if column.label == name]
     note = f"JSON{f', key {found.path!r}' if found.path else ''}: {len(found.columns[0])} rows, {len(made)} columns"
+    others = tuple(
+        f"not read: the table under {t.path!r}; property in a recipe's dialect names it"
+        for t in tables
+        if t is not found
+    )
     used = wanted.model_copy(update={"property": found.path if 0 < len(found.path) <= LONGEST_NAME else None})
     rate, source = rate_of(settings)
     return Table(
-        path, tuple(made), None, rate, source, (note,), format="json", encoding=recipe.encoding, dialect=used
+        path,
+        tuple(made),
+        None,
+        rate,
+        source,
+        (note, *others[:MOST_NAMED]),
+        format="json",
+        encoding=recipe.encoding,
+        dialect=used,
     )
 
 
@@ -122,99 +132,52 @@ def _members(node: Any) -> list[tuple[str, Any]]:
     )
 
 
-def _table_in(node: Any, path: str, depth: int) -> _Found | None:
-    """Return the largest table at or below a node, None when there is none.
-
-    Several members that hold tables with the same names of columns are runs: their columns stand side by side, `x Run 2`.
-    """
-    columns = _columns(node)
-    if columns:
-        return _Found(path, tuple(name for name, _ in columns), tuple(values for _, values in columns))
-    if depth >= DEEPEST_TABLE:
-        return None
-    inner = [
-        (name, found)
-        for name, value in _members(node)
-        if isinstance(value, dict | list)
-        and (found := _table_in(value, f"{path}.{name}" if path else name, depth + 1))
-    ]
-    runs = [(name, found) for name, found in inner if any(found.names) and len(found.columns) > 1]
-    longest = max((len(found.columns[0]) for _, found in runs), default=0)
-    alike = len(runs) > 1 and all(found.names == runs[0][1].names for _, found in runs)
-    if not alike or longest * len(runs) * len(runs[0][1].names) > MAX_NUMBERS:
-        return max((found for _, found in inner), key=lambda found: found.size, default=None)
-    numbers = [match[1] if (match := re.search(r"(\d{1,4})$", name[-4:])) else "" for name, _ in runs]
-    if "" in numbers or len(set(numbers)) < len(numbers):
-        numbers = [str(i) for i in range(1, len(runs) + 1)]
-    made = [
-        (f"{name} Run {number}", np.pad(values, (0, longest - len(values)), constant_values=np.nan))
-        for number, (_, found) in zip(numbers, runs, strict=True)
-        for name, values in zip(found.names, found.columns, strict=True)
-    ]
-    return _Found(path, tuple(name for name, _ in made), tuple(values for _, values in made))
+def _tables_in(node: Any, path: str, depth: int) -> Iterator[_Found]:
+    """Yield the tables at and below a node; one that is a table itself holds no others."""
+    if columns := _columns(node):
+        yield _Found(path, tuple(name for name, _ in columns), tuple(values for _, values in columns))
+    elif depth < DEEPEST_TABLE:
+        for name, value in _members(node):
+            yield from _tables_in(value, f"{path}.{name}" if path else name, depth + 1)
 
 
 def _columns(node: Any) -> list[tuple[str, Array]]:
-    """Return the columns that a node itself holds, with their names; none where it is no table.
+    """Return the columns of numbers of one length that a node itself holds, with their names; none where it is no table."""
+    made = [(name, numbers) for name, cells in _cells(node) if (numbers := _numbers(cells)) is not None]
+    lengths = Counter(len(values) for _, values in made)
+    most = max(lengths, key=lambda n: (lengths[n], n), default=0)
+    return [(name, values) for name, values in made if len(values) == most >= FEWEST]
 
-    It may be an object of columns, or a list: of records, of objects that each hold a name and one list, of rows, or of a
-    few long lists, one a channel: nothing has eight times as many channels as samples.
+
+def _cells(node: Any) -> list[tuple[str, Sequence[Any]]]:
+    """Return the columns of an object of lists, or of a list: of records, of objects that each hold a name and one list, of
+    rows, or of a few long lists, one a channel: nothing has eight times as many channels as samples.
     """
     if isinstance(node, dict):
-        made = [
-            (k, v)
-            for name, value in node.items()
-            if isinstance(value, list)
-            for k, v in [(str(name), _numbers(value))]
-        ]
-        lengths = Counter(len(values) for _, values in made if values is not None)
-        most = max(lengths, key=lambda n: (lengths[n], n), default=0)
-        return [(k, v) for k, v in made if v is not None and len(v) == most] if most >= FEWEST else []
+        return [(str(name), value) for name, value in node.items() if isinstance(value, list)]
     if not isinstance(node, list) or not node:
         return []
     if all(isinstance(member, dict) for member in node):
-        return _channels(node) or _records(node)
+        lists = [[value for value in member.values() if isinstance(value, list)] for member in node]
+        if all(len(found) == 1 and "name" in member for found, member in zip(lists, node, strict=True)):
+            units = [f" ({member['unit']})" if "unit" in member else "" for member in node]
+            return [
+                (f"{m['name']}{unit}", found[0]) for m, unit, found in zip(node, units, lists, strict=True)
+            ]
+        names = list(dict.fromkeys(str(name) for record in node for name in record))
+        few = len(names) * len(node) <= MAX_NUMBERS
+        return [(name, [record.get(name) for record in node]) for name in names] if few else []
     if not all(isinstance(row, list) for row in node):
         return []
     if all(len(row) == len(node[0]) > MANY * len(node) for row in node):
-        return _all_numbers([("", row) for row in node])
+        return [("", row) for row in node]
     width = max(len(row) for row in node)
-    if len(node) < FEWEST or not width or any(len(row) < width - 1 for row in node):
+    if any(len(row) < width - 1 for row in node):
         return []
-    named = all(isinstance(cell, str) and parse_number(cell) is None for cell in node[0])
-    names = [str(cell) for cell in node[0]] if named and len(node[0]) == width else [""] * width
+    named = len(node[0]) == width and all(isinstance(v, str) and parse_number(v) is None for v in node[0])
     rows = node[1:] if named else node
-    return _all_numbers(
-        [(names[i], [row[i] if i < len(row) else None for row in rows]) for i in range(width)]
-    )
-
-
-def _all_numbers(columns: Sequence[tuple[str, Sequence[Any]]]) -> list[tuple[str, Array]]:
-    made = [(name, numbers) for name, cells in columns if (numbers := _numbers(cells)) is not None]
-    return made if len(made) == len(columns) else []
-
-
-def _channels(node: Sequence[Mapping[str, Any]]) -> list[tuple[str, Array]]:
-    made = []
-    for member in node:
-        texts = {str(k).lower(): v for k, v in member.items() if isinstance(v, str)}
-        name = next(
-            (texts[k] for k in ("name", "label", "channel", "title", "quantity", "id") if k in texts), ""
-        )
-        unit = texts.get("unit") or texts.get("units")
-        lists = [found for v in member.values() if isinstance(v, list) and (found := _numbers(v)) is not None]
-        if not name or len(lists) != 1 or len(lists[0]) < FEWEST:
-            return []
-        made.append((f"{name} ({unit})" if unit else name, lists[0]))
-    return made if len({len(values) for _, values in made}) == 1 else []
-
-
-def _records(node: Sequence[Mapping[str, Any]]) -> list[tuple[str, Array]]:
-    names = list(dict.fromkeys(str(name) for record in node for name in record))
-    if len(node) < FEWEST or len(names) * len(node) > MAX_NUMBERS:
-        return []
-    made = [(name, _numbers([record.get(name) for record in node])) for name in names]
-    return [(name, values) for name, values in made if values is not None]
+    cells = [[row[i] if i < len(row) else None for row in rows] for i in range(width)]
+    return list(zip(map(str, node[0]) if named else [""] * width, cells, strict=True))
 
 
 def _numbers(values: Sequence[Any]) -> Array | None:

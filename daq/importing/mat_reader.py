@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 TOO_LARGE = 3
-MOST_MEMORY = 3_000_000_000
+MOST_MEMORY = 1_500_000_000
 DEEPEST = 5
 NO_NUMBERS = ("char", "cell", "struct", "object", "function", "opaque", "sparse")
 

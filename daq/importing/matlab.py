@@ -4,16 +4,14 @@ import io
 import os
 import subprocess
 import sys
-import zlib
-from contextlib import suppress
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from daq.importing import mat_reader
 from daq.importing.errors import problem
-from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
+from daq.importing.limits import MAX_NUMBERS, require_table
 from daq.importing.rates import rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table, common_length
@@ -23,7 +21,6 @@ from daq.recording import Array
 Numbers = np.ndarray[Any, np.dtype[Any]]
 MAX_ARRAYS = 20_000
 LONGEST_S = 120.0
-MATRIX, COMPRESSED = 14, 15
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -86,11 +83,9 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
     """
     large = problem(
         path, f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ARRAYS} arrays, "
-        f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
+        "or asks for too much memory",
         "save only the channels of one recording",
     )  # fmt: skip
-    if not _is_version_4(data) and _unpacked(data) > MAX_BYTES:
-        raise large
     limits = map(str, (MAX_NUMBERS, MAX_ARRAYS))
     reader = [sys.executable, "-P", mat_reader.__file__, *limits]  # -P: no module of the working folder
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
@@ -112,22 +107,6 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
         )
     with np.load(io.BytesIO(done.stdout)) as found:
         return [(name, found[f"arr_{i}"]) for i, name in enumerate(found["names"].tolist())]
-
-
-def _unpacked(data: bytes) -> int:
-    """Add up the bytes to which the compressed variables of a version 5 file unpack, as they themselves say."""
-    order: Literal["little", "big"] = "little" if data[126:128] == b"IM" else "big"
-    at, total = 128, 0
-    while at + 8 <= len(data):
-        kind, size = (int.from_bytes(data[i : i + 4], order) for i in (at, at + 4))
-        if kind == COMPRESSED:
-            with suppress(zlib.error):
-                head = zlib.decompressobj().decompress(data[at + 8 : at + 8 + size], 8)
-                total += int.from_bytes(head[4:8], order)
-        elif kind != MATRIX:
-            break
-        at += 8 + size
-    return total
 
 
 def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from daq.importing.errors import ImportProblem, place
 from daq.importing.recipe import Part
-from daq.importing.stamps import even_part
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -17,7 +16,9 @@ OFTEN_EQUAL = 0.25
 """Share of stamps equal to the one before, from which on no curve can be drawn through the readings at their stamps."""
 
 NEARLY_ALL = 0.75
-"""Share of the rows in the part with a clock from which on the rest is left out without being asked."""
+"""Share of the rows before or after a gap from which on the rest is left out without being asked."""
+
+FEWEST_IN_A_RUN = 50
 
 
 class NoClock(ImportProblem):
@@ -32,38 +33,48 @@ class NoClock(ImportProblem):
         self.sentence, self.remedy, self.certain = sentence, remedy, certain
 
 
+def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[np.int64]) -> ImportProblem:
+    """Return the refusal of stamps that fall: where they always fall to the first one, the rows are runs."""
+    back = np.flatnonzero(np.diff(time) < 0.0) + 1
+    alike = np.abs(time[back] - time[0]) <= 2.0 * np.median(np.abs(np.diff(time)))
+    long = np.diff([0, *back, len(time)]) >= FEWEST_IN_A_RUN
+    where = place(table.path, table.line(int(rows[back[0]])), column.number)
+    what = f"the time stamp jumps back from {time[back[0] - 1]:.6g} s to {time[back[0]]:.6g} s"
+    if alike.all() and long.all():
+        return NoClock(where, f"{what}: the rows were cut where it does", {"restarts": True}, certain=True)
+    todo = (
+        "say in a recipe that the rows restart there (restarts = true), or that these are steps (time_step)"
+    )
+    return ImportProblem(f"{where}: {what}; {todo}; or {USE_RATE}")
+
+
 def no_clock(
     table: Table,
     column: SourceColumn,
     stamped: tuple[Array, NDArray[np.int64], float],
+    gap: int | None,
     worst: int,
     line: tuple[float, float],
 ) -> NoClock:
-    """Return the refusal of stamps that stray from a clock, another where a part of them does not.
+    """Return the refusal of stamps that stray from a clock, another where the larger part of them, up to or from a `gap`,
+    does not.
 
     `stamped` are times (s) from the first one, the rows that have them, and the file's own time of the first; `worst` is
     the row that strays most, and `line` the interval of the nearest even clock and the rms of the stray (s).
     """
     time, rows, first = stamped
-    found = even_part(time)
-    if found is not None:
-        start, stop, rates = found
-        edge = stop if start == 0 else start
-        at = first + float(time[stop - 1] if start == 0 else time[start])
-        option, rest = ("to", "after") if start == 0 else ("from", "before")
-        share = (stop - start) / len(time)
+    if gap is not None:
+        before = 2 * gap >= len(time)
+        option, rest, at = ("to", "after", gap - 1) if before else ("from", "before", gap)
+        share = max(gap, len(time) - gap) / len(time)
         return NoClock(
-            place(table.path, table.line(int(rows[edge])), column.number),
-            f"the time stamps change from a clock of {rates[0]:.3g} Hz to one of {rates[1]:.3g} Hz here; "
-            f"--{option} {at:.10g} leaves out what is {rest} that time of the file, "
-            f"{100.0 * (1.0 - share):.2g} % of the rows",
-            {"parts": (Part.model_validate({option: at}),)}, certain=share > NEARLY_ALL,
+            place(table.path, table.line(int(rows[gap])), column.number),
+            f"the time stamps go on by another clock after a gap here; --{option} {first + time[at]:.10g} leaves out what "
+            f"is {rest} that time of the file, {100.0 * (1.0 - share):.2g} % of the rows",
+            {"parts": (Part.model_validate({option: first + float(time[at])}),)}, certain=share > NEARLY_ALL,
         )  # fmt: skip
     slope, stray = line
-    what = (
-        f"the time stamps stray by {milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
-        f"{100 * stray / slope:.0f} % of a sampling interval"
-    )
+    what = strays(stray, slope)
     todo = f"put the samples on an even clock with --resample; or {USE_RATE}"
     remedy: dict[str, Any] = {"resample": True}
     if np.mean(np.diff(time) == 0.0) >= OFTEN_EQUAL:
@@ -72,6 +83,9 @@ def no_clock(
     return NoClock(place(table.path, table.line(worst), column.number), f"{what}; {todo}", remedy)
 
 
-def milli(seconds: float) -> str:
-    """Return a time in words, in milliseconds."""
-    return f"{seconds * 1e3:.3g} ms"
+def strays(stray: float, slope: float) -> str:
+    """Say by how much stamps stray (rms, s) from an even clock of this interval (s)."""
+    return (
+        f"the time stamps stray by {1e3 * stray:.3g} ms rms from an even clock of {1.0 / slope:.6g} Hz "
+        f"({100.0 * stray / slope:.3g} % of a sampling interval)"
+    )

@@ -4,12 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from pydantic import ValidationError
+
 from daq.importing.errors import ImportProblem
-from daq.importing.recipe import Column, Dialect, Recipe
+from daq.importing.recipe import Column, Part, Recipe
+from daq.plain_text import first_fault
 
 MOTIONS = ("displacement", "velocity", "acceleration")
 QUANTITIES = ("time", *MOTIONS, "force")
 NONE = "none"
+SPELLED = {"tab": "\t", "\\t": "\t", "blank": " ", "space": " "}
 
 
 @dataclass(frozen=True)
@@ -54,40 +58,37 @@ class ImportOptions:
                 if quantity not in QUANTITIES:
                     raise ImportProblem(f"{name}: '{quantity}' is not one of {', '.join(QUANTITIES)}")
             object.__setattr__(self, name, MappingProxyType(dict(mapping)))
-        if self.rate is not None and not 0.0 < self.rate < 1e9:
-            raise ImportProblem(f"the rate must be a positive number of Hz, not {self.rate}")
-        if self.decimal not in (None, ".", ","):
-            raise ImportProblem(f"the decimal sign must be '.' or ',', not '{self.decimal}'")
         if self.skip_rows < 0:
             raise ImportProblem(f"the number of rows to skip cannot be negative ({self.skip_rows})")
-        delimiter = {"tab": "\t", "\\t": "\t", "blank": " ", "space": " "}.get(
-            self.delimiter or "", self.delimiter
-        )
-        if delimiter is not None and len(delimiter) != 1:
-            raise ImportProblem(f"the delimiter must be one character, 'tab' or 'blank', not '{delimiter}'")
-        if delimiter is not None and delimiter == self.decimal:
-            raise ImportProblem(f"'{delimiter}' cannot be both the delimiter and the decimal sign")
-        object.__setattr__(self, "delimiter", delimiter)
-        if self.start is not None and self.stop is not None and not self.start < self.stop:
-            raise ImportProblem(f"the recording cannot end at {self.stop:g} s and begin at {self.start:g} s")
+        object.__setattr__(self, "delimiter", SPELLED.get(self.delimiter or "", self.delimiter))
+        if self.delimiter is not None and self.delimiter == self.decimal:
+            raise ImportProblem(f"'{self.delimiter}' cannot be both the delimiter and the decimal sign")
+        try:
+            self.as_recipe()
+        except ValidationError as error:
+            raise ImportProblem(first_fault(error)) from None
         if self.angle_from is not None and "displacement" in self.columns:
             raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
 
     def as_recipe(self) -> Recipe:
-        """Return the dialect of the file and the columns that these choices ask for."""
+        """Return the dialect of the file, its rate, its part, and the columns that these choices ask for."""
         wanted = [str(name).strip() for name in self.columns.values()]
-        return Recipe(
-            encoding=self.encoding,
-            dialect=Dialect.model_validate(
-                {
+        part = Part.model_validate({"from": self.start, "to": self.stop})
+        return Recipe.model_validate(
+            {
+                "encoding": self.encoding,
+                "rate": self.rate,
+                "resample": self.resample,
+                "parts": () if part == Part() else (part,),
+                "dialect": {
                     "delimiter": self.delimiter,
                     "decimalChar": self.decimal,
                     "commentRows": range(1, self.skip_rows + 1),
-                }
-            ),
-            fields=tuple(
-                Column(name=name, role="displacement") for name in wanted if name and name.lower() != NONE
-            ),
+                },
+                "fields": [
+                    Column(name=name, role="displacement") for name in wanted if name and name.lower() != NONE
+                ],
+            }
         )
 
 

@@ -7,18 +7,18 @@ from typing import cast
 
 import numpy as np
 
-from daq.importing.accelerometer import has_gravity, with_moving_axis
 from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
-from daq.importing.choose import Choice, choose_columns, left_out
-from daq.importing.counted_on import counted_on, with_stamps
+from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
+from daq.importing.counted_on import counted_on
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
 from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
-from daq.importing.runs import find_runs
+from daq.importing.runs import find_runs, pieces
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, guess_time_unit
 from daq.importing.units import Unit
@@ -68,7 +68,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     Raises ImportProblem where an option contradicts the file, or nothing in it can be a motion.
     """
     found = find_runs(table, options)
-    chosen = _chosen(table, found, options)
+    chosen = [counted_on(run, options) for run in _chosen(table, found, options)]
     made: list[_Run] = []
     refused: list[ImportProblem] = []
     turns = units_of_angles(chosen)
@@ -84,53 +84,47 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
     made = certain or made
     notes = {run.table.run: (*run.notes[len(table.notes) :], *left) for run in made}
-    recipe = _recipe(table, [run.run for run in found], made, options)
+    recipe = _recipe(table, made, options)
     return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
 
 
+def _asked_run(options: ImportOptions) -> str:
+    """Return the run that the operator named, "" for all."""
+    text = str(options.run or "").strip().casefold()
+    return "" if options.run is None or text == "all" else text.lstrip("#").lstrip("0") or "0"
+
+
 def _chosen(table: Table, runs: list[Table], options: ImportOptions) -> list[Table]:
-    """Return the run that the operator named, or all."""
-    if options.run is None or str(options.run).casefold() == "all":
-        return runs
-    wanted = str(options.run).strip().lstrip("#").lstrip("0") or "0"
-    found = [run for run in runs if run.run.casefold() == wanted.casefold()]
-    if found:
-        return found
-    names = ", ".join(run.run for run in runs if run.run)
-    raise problem(
-        table.path, f"has no run '{options.run}'",
-        f"it holds runs {names}" if names else "it holds one recording: leave --run out",
-    )  # fmt: skip
+    """Return the run that the operator named, or all; where none has a name, it is one of those that the time begins."""
+    wanted = _asked_run(options)
+    found = [run for run in runs if run.run.casefold() == wanted] if wanted and runs[0].run else runs
+    if not found:
+        names = ", ".join(run.run for run in runs)
+        raise problem(table.path, f"has no run '{options.run}'", f"it holds runs {names}")
+    return found
 
 
-def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: ImportOptions) -> Recipe:
+def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recipe:
     """Join all runs into one recipe: a column has one role, in one run or in all."""
-    cut = made[0].table.cut
     roles: dict[int, Column] = {}
     for run in made:
         for field in run.fields:
             number = field.column or 0
             known = roles.get(number)
             if known is None:
-                roles[number] = field.model_copy(update={"run": "" if cut is not None else run.table.run})
+                roles[number] = field.model_copy(update={"run": run.table.run})
             else:
                 roles[number] = known.model_copy(update={"run": "", "wraps": known.wraps or field.wraps})
-    if cut:
-        roles[cut] = Column(column=cut, role="run")
-    kept = tuple(run.table.run for run in made)
-    part = Part.model_validate({"from": options.start, "to": options.stop})
-    return Recipe(
-        format=table.format,
-        encoding=table.encoding,
-        rate=made[0].rate,
-        resample=options.resample,
-        restarts=cut == 0,
-        stated=stated(table),
-        runs=kept if cut is not None and set(kept) != set(found) else (),
-        parts=() if part == Part() else (part,),
-        dialect=table.dialect,
-        fields=_listed(table, roles),
-    )
+    found: dict[str, object] = {
+        "format": table.format,
+        "encoding": table.encoding,
+        "rate": made[0].rate,
+        "stated": stated(table),
+    }
+    found |= {"dialect": table.dialect, "fields": _listed(table, roles)}
+    if _asked_run(options) and not made[0].table.run:
+        found |= {"restarts": True, "runs": (_asked_run(options),)}
+    return options.as_recipe().model_copy(update=found)
 
 
 def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
@@ -148,7 +142,7 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
 
 def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
     """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
-    table = with_angle(with_moving_axis(with_stamps(counted_on(run, options), options), options), options)
+    table = with_angle(run, options)
     notes, doubts = list(table.notes), list(table.doubts)
     choices = choose_columns(table, options, notes, doubts)
     label = choices["displacement"].column.label if "displacement" in choices else ""
@@ -219,7 +213,7 @@ def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
     if column.arc is not None:
         x, y = column.arc
         return Column(column=x, role="x"), Column(column=y, role="y")
-    quantity = cast(Role, "time_step" if column.steps else choice.quantity)
+    quantity = cast(Role, choice.quantity)
     return (Column(column=column.number, role=quantity, unit=unit, wraps=column.wraps),)
 
 
@@ -239,7 +233,14 @@ def _derived(
     readings = readings_of(table, MappingProxyType(by_number))
     quantities = [q for q in ORDER if q in readings]
     values = np.array([readings[q].in_si(table, q) for q in quantities])
-    clock = clock_of(table, readings, values, recipe, Part())
+    try:
+        clock = clock_of(table, readings, values, recipe, (recipe.parts or (Part(),))[0])
+    except NoClock as refusal:
+        again = recipe.model_copy(update=dict(refusal.remedy))
+        if again == recipe:
+            raise
+        first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
+        return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
     uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
     stamps = clock.stamps if uneven and not clock.coarse else None

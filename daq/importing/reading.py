@@ -86,7 +86,8 @@ class Look:
         if proposal.doubts and not accept:
             raise Doubtful(f"{self.table.path.name}: {'; and '.join(proposal.doubts)}", proposal)
         cut = len(proposal.recipe.parts) > 1
-        told = [proposal.notes.get(one.run.rpartition(".")[0] if cut else one.run, ()) for one in made]
+        runs = [one.run.rpartition(".")[0] if cut else one.run for one in made]
+        told = [proposal.notes.get(run, proposal.notes.get("", ())) for run in runs]
         noted = [replace(one, notes=(*one.notes, *own, *more)) for one, own in zip(made, told, strict=True)]
         return Read(proposal.recipe, tuple(noted))
 

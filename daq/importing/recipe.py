@@ -23,7 +23,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError,
 from daq.importing.errors import problem
 from daq.importing.limits import LONGEST_NAME, MAX_COLUMNS, MAX_LINES, MAX_RECIPE, require_size
 from daq.importing.units import parse_scaled_unit
-from daq.plain_text import Line
+from daq.plain_text import Line, first_fault
 
 Role = Literal[
     "time", "time_step", "run", "displacement", "velocity", "acceleration", "force", "x", "y", "ignored"
@@ -134,12 +134,7 @@ def read_recipe(path: Path) -> Recipe:
     except OSError as error:
         raise problem(path, f"the recipe cannot be read ({error.strerror})", "check its name") from None
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
-        said = first["msg"].removeprefix("Value error, ")
-        raise problem(
-            path, f"{place}: {said}" if place else said, "see the form in docs/importing.md"
-        ) from None
+        raise problem(path, first_fault(error), "see the form in docs/importing.md") from None
     except (ValueError, RecursionError) as error:
         raise problem(path, f"is no recipe in TOML ({error})", "repair it, or import without it") from None
 

@@ -15,7 +15,6 @@ from daq.importing.table import SourceColumn, Table
 Named = tuple[str, str]
 FEWEST_ROWS = 8
 MOST_RUNS = 1000
-FEWEST_IN_A_PIECE = 50
 _WORDS = (
     "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
     "prova|ensayo|meting|data ?set|recording|decay"
@@ -28,17 +27,15 @@ _STRUCTURE = re.compile(r".*\((\d{1,4})\)\.(.+)")
 _BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
 _BY_LETTER = re.compile(r"(.*\S)[\s_]([A-H])")
 _COPY = re.compile(r"(.*\S)\.\d{1,3}")
-_COLUMN = re.compile(rf"(?:{_WORDS})[\s_]*(?:id|nr|no|number|index|#)?\.?", re.I)
 
 
 def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
 
     Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by the members of a structure array, by
-    numbers or capital letters at the end of names (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by columns of time under one
-    name, by a column that numbers the runs row by row, or by a time that begins again. Where runs stand side by side, each
-    has a time of its own, or all share one or have none (for bare numbers only where the operator asks for a run: `x1` and
-    `x2` may be two masses).
+    numbers or capital letters at the end of names (`t1 theta1 t2 theta2`, `Time A`, `Time B`), or by columns of time under
+    one name. Each has a time of its own, or all share one or have none (for bare numbers only where the operator asks for a
+    run: `x1` and `x2` may be two masses).
     """
     if _names_its_time(table, options):
         return [table]
@@ -48,8 +45,6 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         or _by_names(table, _number, shared=shared)
         or _by_names(table, _letter, shared=shared)
         or _by_times(table)
-        or _by_row(table)
-        or _by_restart(table)
     )
     return found or [table]
 
@@ -96,18 +91,11 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
         if named is None:
             rest.append(column)
         else:
-            groups.setdefault(named[1], []).append(_called(column, named[0]))
+            groups.setdefault(named[1], []).append(replace(column, label=named[0]))
     times = [c for c in rest if _is_time(c)]
     if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
         return []
     return _accepted(table, groups, times, timeless=shared)
-
-
-def _called(column: SourceColumn, name: str) -> SourceColumn:
-    """Return a column under its name in the run; one that is only called `run 2` is the displacement."""
-    if name or column.unit:
-        return replace(column, label=name)
-    return replace(column, label="", quantity=column.quantity or "displacement")
 
 
 def _by_times(table: Table) -> list[Table]:
@@ -144,36 +132,6 @@ def rises_evenly(column: SourceColumn) -> bool:
         return False
     steps = np.diff(values)
     return bool(np.all(steps > 0.0) and np.max(steps) < 20.0 * np.median(steps))
-
-
-def _by_row(table: Table) -> list[Table]:
-    """Cut the rows of a table at a column that numbers its runs."""
-    column = next((c for c in table.columns if _COLUMN.fullmatch(c.label.strip())), None)
-    if column is None or column.bad is not None or len(table.columns) < 2:
-        return []
-    if not np.isfinite(column.values).all() or np.any(column.values != np.rint(column.values)):
-        return []
-    rest = [c for c in table.columns if c is not column]
-    parts = pieces(replace(table, cut=column.number), rest, column, counted=True)
-    return parts if 2 <= len(parts) <= MOST_RUNS and _shortest(parts) >= FEWEST_ROWS else []
-
-
-def _by_restart(table: Table) -> list[Table]:
-    """Cut the rows of a table where its time begins again."""
-    times = [c for c in table.columns if _is_time(c) and not c.clock]
-    if len(times) != 1 or times[0].bad is not None or not np.isfinite(times[0].values).all():
-        return []
-    time = times[0].values
-    parts = pieces(replace(table, cut=0), table.columns, times[0], counted=False)
-    begins = time[np.concatenate(([0], np.flatnonzero(np.diff(time) < 0.0) + 1))]
-    alike = (
-        np.all(np.abs(begins - time[0]) <= 2.0 * np.median(np.abs(np.diff(time)))) if len(time) > 1 else False
-    )
-    return parts if 2 <= len(parts) <= MOST_RUNS and _shortest(parts) >= FEWEST_IN_A_PIECE and alike else []
-
-
-def _shortest(parts: Sequence[Table]) -> int:
-    return min(len(part.columns[0].values) for part in parts)
 
 
 def pieces(table: Table, columns: Sequence[SourceColumn], by: SourceColumn, *, counted: bool) -> list[Table]:

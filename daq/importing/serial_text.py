@@ -4,7 +4,6 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from daq.importing.limits import MAX_SENTENCES, require_few
 from daq.importing.recipe import Format
@@ -24,15 +23,8 @@ ALIKE = 0.9
 """Share of the lines that must have the same labels and units: others are greetings of the board, or were cut off."""
 
 
-class _Row(NamedTuple):
-    clock: str
-    labels: tuple[str, ...]
-    units: tuple[str, ...]
-    numbers: tuple[str, ...]
-
-    @property
-    def shape(self) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
-        return bool(self.clock), self.labels, self.units
+_Shape = tuple[bool, tuple[str, ...], tuple[str, ...]]
+"""Whether a line begins with a time of day, the labels and the units of its numbers."""
 
 
 def table_of(path: Path, lines: Sequence[str], decimal: str | None) -> tuple[Format, list[str], str] | None:
@@ -42,58 +34,46 @@ def table_of(path: Path, lines: Sequence[str], decimal: str | None) -> tuple[For
     before all. A comma between two digits is the decimal sign where `decimal` says so, or every number then has a label, or
     every one a unit.
     """
-    rows = _alike(path, lines) if decimal != "," else None
-    if decimal == "," or (decimal is None and rows is not None and not _all_named(rows)):
-        del rows  # both at once would be too much
-        rows = _alike(path, [_COMMA.sub(".", line) for line in lines])
-        if decimal is None and (rows is None or not _all_named(rows)):
-            rows = _alike(path, lines)
-    if rows is None:
+    found = _alike(path, lines) if decimal != "," else None
+    if decimal == "," or (decimal is None and found is not None and not _all_named(found[0])):
+        found = None  # both at once would be too much
+        found = _alike(path, [_COMMA.sub(".", line) for line in lines])
+        if decimal is None and (found is None or not _all_named(found[0])):
+            found = _alike(path, lines)
+    if found is None:
         return None
-    first, row = next((i, row) for i, row in enumerate(rows) if row is not None)
-    clock, labels, units = row.shape
-    above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
-    names = labels if above is None else above
-    cells = [
-        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
-    ]
-    header = "\t".join([*(["time"] if clock else []), *cells])
-    made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
-    made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
+    (clock, labels, units), rows = found
+    named = zip(labels, units, strict=True)
+    cells = [f"{name} ({unit})" if name and unit else name or unit for name, unit in named]
+    header = "\t".join([*["time"] * clock, *cells])
+    first = next(i for i, row in enumerate(rows) if row)
+    made = [header, *rows] if first == 0 else [*rows[: first - 1], header, *rows[first:]]
     return "serial", made, "what stands beside the numbers in each row was read: times, labels or units"
 
 
-def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:
-    """Return the rows that have the commonest labels and units, None for other lines; None where too few are alike."""
-    written = [line for line in lines if line.strip()]
-    middle = len(written) // 2
-    sample = [_row(line) for line in written[middle : middle + SAMPLE]]
-    shapes = Counter(row.shape for row in sample if row is not None)
-    if not shapes:
-        return None
-    ((shape, count),) = shapes.most_common(1)
+def _alike(path: Path, lines: Sequence[str]) -> tuple[_Shape, list[str]] | None:
+    """Return the commonest shape and the rows that have it, "" for other lines; None where too few are alike."""
+    written = sum(not line.isspace() for line in lines if line)
+    sample = [_row(line) for line in [line for line in lines if line.strip()][written // 2 :][:SAMPLE]]
+    shapes = Counter(row[0] for row in sample if row is not None)
+    shape, count = shapes.most_common(1)[0] if shapes else ((False, (), ()), 0)
     clock, labels, units = shape
     if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
         return None
-    require_few(
-        path,
-        len(lines),
-        MAX_SENTENCES,
-        "lines with labels or units in them",
-        "cut it, or export it as a plain table",
-    )
-    rows = [row if (row := _row(line)) is not None and row.shape == shape else None for line in lines]
-    return rows if sum(row is not None for row in rows) >= ALIKE * len(written) else None
+    todo = "cut it, or export it as a plain table"
+    require_few(path, len(lines), MAX_SENTENCES, "lines with labels or units in them", todo)
+    rows = [row[1] if (row := _row(line)) is not None and row[0] == shape else "" for line in lines]
+    return (shape, rows) if sum(map(bool, rows)) >= ALIKE * written else None
 
 
-def _all_named(rows: Sequence[_Row | None]) -> bool:
+def _all_named(shape: _Shape) -> bool:
     """Check whether every number of a row has a label, or without any labels every one a unit."""
-    row = next(row for row in rows if row is not None)
-    return all(row.labels) or (not any(row.labels) and all(row.units))
+    _, labels, units = shape
+    return all(labels) or (not any(labels) and all(units))
 
 
-def _row(line: str) -> _Row | None:
-    """Return the numbers of a line with their labels and units; None where it holds anything else."""
+def _row(line: str) -> tuple[_Shape, str] | None:
+    """Return the shape of a line, and its numbers between tabs; None where it holds anything else."""
     arrow = _ARROW.match(line)
     at, items = (arrow.end() if arrow else 0), []
     line = line.rstrip()
@@ -105,19 +85,6 @@ def _row(line: str) -> _Row | None:
         at = item.end()
     if not items:
         return None
-    return _Row(
-        arrow[1].replace(",", ".") if arrow else "",
-        tuple((item[1] or "").strip() for item in items),
-        tuple(item[3] or "" for item in items),
-        tuple(item[2] for item in items),
-    )
-
-
-def _names_above(lines: Sequence[str], count: int) -> tuple[str, ...] | None:
-    """Return the names in the last line above the rows, if there are as many."""
-    last = next((line for line in reversed(lines) if line.strip()), "")
-    for delimiter in ("\t", ";", ","):
-        names = [name.strip().strip('"') for name in last.split(delimiter)]
-        if len(names) == count:
-            return tuple(names)
-    return None
+    labels, units = tuple((item[1] or "").strip() for item in items), tuple(item[3] or "" for item in items)
+    clock = [arrow[1].replace(",", ".")] if arrow else []
+    return (bool(arrow), labels, units), "\t".join([*clock, *(item[2] for item in items)])

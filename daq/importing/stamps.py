@@ -1,26 +1,22 @@
-"""The even clock behind stamps that do not show it: rounded ones, rows stamped in blocks, a logger that changes its rate."""
+"""The even clock behind stamps that do not show it: rounded ones, and rows stamped in blocks."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.importing.quantisation import quantum
 from daq.recording import Array
 
 Index = NDArray[np.int64]
 
 MARGIN = 1e-6
-FEWEST_ROUNDED, FEWEST_ROWS = 8, 20
+FEWEST_ROUNDED = 8
 CAMERAS = (24000 / 1001, 30000 / 1001, 60000 / 1001)
 CLEAR = 0.01  # Hz; three such errors are still far less than the distance between two nominal rates
 ROWS_A_BLOCK = 3.0
 FEWEST_BLOCKS = 10
 NEAR = 1.5
 """Intervals between blocks by which the reading of a block may be late: more is a hole, or no clock at all."""
-
-STRAY = 0.2
-"""Share of a sampling interval by which stamps may stray (rms) from a clock; or by no more than their rounding."""
 
 
 def rate_within_rounding(index: Array, time: Array, steps: Array) -> tuple[float, float, float] | None:
@@ -107,43 +103,3 @@ def clock_of_blocks(time: Array) -> Rebuilt | None:
     )
     every = np.arange(len(time))
     return Rebuilt(period, error, float(stamp.mean() - period * at.mean()), every, every, note)
-
-
-def even_part(time: Array) -> tuple[int, int, tuple[float, float]] | None:
-    """Return the larger part of stamps `time` (n,), in s and never falling, that follows one clock, as (first row, one past
-    its last), and the rates (Hz) before and after the other part; None where either part is no clock.
-
-    The parts meet at the row at which two lines leave least of the stamps, by least squares.
-    """
-    count = len(time)
-    if count < 2 * FEWEST_ROWS:
-        return None
-    index = np.arange(count, dtype=np.float64)
-    level = time - np.polyval(np.polyfit(index, time, 1), index)
-    left, right = _left_by_a_line(level), _left_by_a_line(level[::-1])[::-1]
-    row = FEWEST_ROWS + int(
-        np.argmin(left[FEWEST_ROWS - 1 : count - FEWEST_ROWS] + right[FEWEST_ROWS : count - FEWEST_ROWS + 1])
-    )
-    before, after = _rate(time[:row]), _rate(time[row:])
-    if before is None or after is None:
-        return None
-    return (0, row, (before, after)) if 2 * row >= count else (row, count, (before, after))
-
-
-def _left_by_a_line(values: Array) -> Array:
-    """Return the sum of squares that the best line leaves of the first 1, 2, ... values, (n,)."""
-    count = np.arange(1.0, len(values) + 1.0)
-    index = count - 1.0
-    x, y = np.cumsum(index), np.cumsum(values)
-    xx, xy, yy = np.cumsum(index**2), np.cumsum(index * values), np.cumsum(values**2)
-    spread = np.maximum(xx - x**2 / count, 1e-300)
-    return np.maximum(yy - y**2 / count - (xy - x * y / count) ** 2 / spread, 0.0)
-
-
-def _rate(time: Array) -> float | None:
-    """Return the rate (Hz) of stamps that follow a clock, else None."""
-    index = np.arange(len(time), dtype=np.float64)
-    slope, start = np.polyfit(index, time, 1)
-    apart = np.abs(time - start - slope * index)
-    even = float(np.sqrt(np.mean(apart**2))) <= STRAY * slope or float(np.max(apart)) < 1.1 * quantum(time)
-    return float(1.0 / slope) if slope > 0.0 and even else None

@@ -22,7 +22,7 @@ class SourceColumn:
     is in `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
     neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
     `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it, `wraps` the
-    range after which numbers began again that were counted on, `steps` True for a time that was summed up, `arc` the
+    range after which numbers began again that were counted on, `arc` the
     numbers of the columns x and y of which this is the angle.
     """
 
@@ -37,7 +37,6 @@ class SourceColumn:
     rate: float | None = None
     gravity: bool = False
     wraps: float | None = None
-    steps: bool = False
     arc: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
@@ -57,9 +56,9 @@ class SourceColumn:
 @dataclass(frozen=True, eq=False)
 class Table:
     """The columns of one file, or of one run in it, all of one length, with the line each row came from where there
-    are lines. `run` is what the file calls the run, "" where it holds one recording; `cut` is the number of the column by
-    which runs were cut one below the other, 0 where their time begins again. `notes` are what was understood, `doubts` what
-    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read, and `stated` the units in it.
+    are lines. `run` is what the file calls the run, "" where it holds one recording. `notes` are what was understood,
+    `doubts` what was not, a sentence each; `format`, `encoding` and `dialect` are how it was read, and `stated`
+    the units in it.
     """
 
     path: Path
@@ -70,7 +69,6 @@ class Table:
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     run: str = ""
-    cut: int | None = None
     format: Format = "text"
     encoding: str | None = None
     stated: tuple[str, ...] = ()

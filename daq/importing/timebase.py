@@ -7,7 +7,7 @@ import numpy as np
 
 from daq.importing.errors import problem
 from daq.importing.held_readings import held_readings
-from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
+from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -107,15 +107,15 @@ def from_stamps(
     spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     if stray > TOO_IRREGULAR * slope and not spline and not coarse:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise no_clock(table, column, (time, rows, first), worst, (slope, stray))
+        raise no_clock(table, column, (time, rows, first), _gap(time), worst, (slope, stray))
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
         slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(
-            f"the time stamps stray by {milli(stray)} rms from an even clock, that is no more than the rounding of the "
-            f"stamps to {milli(quantum(time))}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
+            f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
+            f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
         notes.extend(_evenness(slope, stray, resample))
@@ -168,17 +168,14 @@ def _stamps(
     rows = np.flatnonzero(np.isfinite(column.values))
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
-    if len(rows) < len(stamps):
-        missing = int(np.flatnonzero(~np.isfinite(stamps))[0])
-        if len(rows) < 0.9 * len(stamps) or len(rows) < 2:
-            raise problem(
-                table.path, f"{len(stamps) - len(rows)} of {len(stamps)} time stamps are empty",
-                USE_RATE,
-                line=table.line(missing), column=column.number,
-            )  # fmt: skip
-        notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
-    if len(rows) < 2:
-        raise problem(table.path, "has fewer than two samples", "record again or name another file")
+    empty = len(stamps) - len(rows)
+    if len(rows) < max(2, 0.9 * len(stamps)):
+        raise problem(
+            table.path, f"{empty} of {len(stamps)} time stamps are empty", USE_RATE,
+            line=table.line(int(np.argmin(np.isfinite(stamps)))) if len(stamps) else None, column=column.number,
+        )  # fmt: skip
+    if empty:
+        notes.append(f"{empty} rows without a time stamp were left out")
     time = _over_midnight(stamps[rows], notes) if column.clock else stamps[rows]
     own = start * unit.scale
     part = (own + time >= between[0]) & (own + time <= between[1])
@@ -209,15 +206,10 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
 def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
     if stray <= EVEN * slope:
         return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
-    text = (
-        f"the time stamps stray by {milli(stray)} rms from an even clock of {1 / slope:.6g} Hz "
-        f"({100 * stray / slope:.2g} % of a sampling interval)"
-    )
+    done = "the mean rate is used and nothing was resampled (--resample does)"
     if resample:
-        return (
-            f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",
-        )
-    return (f"{text}; the mean rate is used and nothing was resampled (--resample does)",)
+        done = "the samples were put on the even clock by a cubic spline through their stamps, as asked"
+    return (f"{strays(stray, slope)}; {done}",)
 
 
 def _rate(rate: float, std: float) -> str:
@@ -247,11 +239,7 @@ def _in_order(
     if len(back):
         depth = float(np.max(np.maximum.accumulate(time) - time))
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
-            raise problem(
-                table.path, f"the time stamp jumps back from {time[back[0]]:.6g} s to {time[back[0] + 1]:.6g} s",
-                f"split the file there; or {USE_RATE}",
-                line=table.line(int(rows[back[0] + 1])), column=column.number,
-            )  # fmt: skip
+            raise begins_again(table, column, time, rows)
         order = np.argsort(time, kind="stable")
         time, rows = time[order], rows[order]
         notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
@@ -278,6 +266,16 @@ def _in_order(
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
     return _line(np.arange(len(time)), time)[2]
+
+
+def _gap(time: Array) -> int | None:
+    """Return the row behind the widest gap, where the larger part of the stamps beside it is even; else None."""
+    gap = int(np.argmax(np.diff(time))) + 1
+    part = time[:gap] if 2 * gap >= len(time) else time[gap:]
+    if len(part) < 3 or not part[-1] - part[0] > SHORTEST_PERIOD * len(part):
+        return None
+    slope, _, stray, _ = _line(np.arange(len(part)), part)
+    return gap if stray <= TOO_IRREGULAR * slope else None
 
 
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:

@@ -71,9 +71,6 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
             SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa")
         )
         columns = [replace(c, rate=None) for c in columns]
-    rates = {c.rate for c in columns if c.rate is not None}
-    if len(rates) > 1:
-        notes.append("the traces have different rates: " + ", ".join(f"{r:g} Hz" for r in sorted(rates)))
     return Table(path, tuple(columns), None, None, "", tuple(notes), format="uff")
 
 
@@ -105,8 +102,6 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
             return sets, kinds
     except ImportProblem:
         raise
-    except MemoryError:
-        raise problem(path, "asks for more memory than there is", "export one recording") from None
     except Exception as error:
         said = " ".join(str(error).split())[:80] or type(error).__name__
         raise problem(path, f"is a damaged universal file ({said})", "export it again") from None

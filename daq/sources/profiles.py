@@ -6,6 +6,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from daq.errors import SettingsError
+from daq.plain_text import first_fault
 from daq.sources.line_format import LineFormat
 from daq.storage import write_whole
 
@@ -40,7 +41,7 @@ def load_profile(name: str, folder: Path) -> LineFormat:
             raise ValueError("too large")
         return LineFormat.model_validate_json(file.read_bytes())
     except (ValidationError, ValueError) as error:
-        what = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+        what = first_fault(error) if isinstance(error, ValidationError) else str(error)
         raise SettingsError(
             f"{file}: is no profile of lines ({what}); make it again with `station profile`"
         ) from error

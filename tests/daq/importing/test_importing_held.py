@@ -59,21 +59,6 @@ def test_rounded_and_slow_readings_are_not_held(tmp_path: Path) -> None:
     assert "repeat" not in said(recording)
 
 
-def test_doubled_frames_of_a_film_are_found_by_the_rows_that_repeat(tmp_path: Path) -> None:
-    """30 frames a second written as if they were 33.3: one row of ten repeats, and nine bring a new frame."""
-    times = 0.03 * np.arange(600)
-    measured = np.floor(30.0 * times + 0.05) / 30.0
-    pixel = 0.32668
-    u = np.round(80.0 * np.cos(4.1 * measured) / pixel) * pixel
-    recording = load(tmp_path, table("t (s),x (mm)", times, np.round(u, 5)))
-    assert recording.rate == pytest.approx(30.0, rel=2e-4)
-    assert np.count_nonzero(recording.valid) == pytest.approx(540, abs=2)
-    clock = np.arange(len(recording.samples[0])) / recording.rate
-    shifts = np.arange(-2, 3) / 120.0
-    misfit = min(float(np.std(1e3 * recording.samples[0] - 80.0 * np.cos(4.1 * (clock + s)))) for s in shifts)
-    assert misfit < 0.5  # doubled frames would leave 80 mm x 4.1/s x 10 ms of it
-
-
 def test_readings_in_pixels_that_repeat_by_rounding_are_not_held(tmp_path: Path) -> None:
     """A pixel of 0.311166 mm is no round step; a fifth of the rows repeats, by rounding alone."""
     times = np.arange(660) / 119.88

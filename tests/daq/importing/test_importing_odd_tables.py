@@ -28,25 +28,20 @@ def phone(n: int = 300, moving: int = 0) -> tuple[Array, list[Array]]:
 STEPS = np.array([0.0, *np.tile([20.0, 20.0, 20.0, 21.0], 80)])
 
 
-@pytest.mark.parametrize("moving", [0, 1, 2])
 @pytest.mark.parametrize("separator", [" ", "   ", "\t", ";"])
-def test_a_phone_without_names_gives_the_axis_that_moves(tmp_path: Path, moving: int, separator: str) -> None:
-    motion, axes = phone(moving=moving)
-    stamps = np.cumsum(STEPS[:300])
-    recording = load(tmp_path, table("", stamps, *axes, delimiter=separator) + "\n\n# Completed @Wed\n")
+def test_a_phone_without_names_is_read_by_a_recipe(tmp_path: Path, separator: str) -> None:
+    motion, axes = phone(moving=1)
+    above = "# X Y Z time_from_previous_sample(ms)\n\n# gravity NOT filtered out"
+    text = table(above, *axes, STEPS[:300], delimiter=separator) + "\n\n# Completed @Wed\n"
+    recipe = Recipe.model_validate(
+        {"fields": [{"column": 2, "role": "acceleration", "zero": "median"},
+                    {"column": 4, "role": "time_step", "unit": "ms"}]}
+    )  # fmt: skip
+    (recording,) = look_at(write(tmp_path, text), recipe=recipe).read().recordings
     assert recording.rate == pytest.approx(1000 / 20.25, rel=1e-3)
     assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
     assert np.std(recording.samples[0] - motion) < 0.05
     assert abs(np.median(recording.samples[0])) < 1e-9
-    assert "their mean vector is gravity" in said(recording)
-
-
-def test_the_names_of_a_phone_are_found_among_its_remarks(tmp_path: Path) -> None:
-    _, axes = phone()
-    above = "# so we have 4 columns\n# X Y Z time_from_previous_sample(ms)\n\n# gravity NOT filtered out"
-    recording = load(tmp_path, table(above, *axes, STEPS[:300], delimiter=" "))
-    assert recording.channels[0].name == "X"
-    assert recording.channels[0].quantity == "acceleration"
 
 
 @pytest.mark.parametrize(
@@ -72,12 +67,12 @@ def test_axes_in_g_are_axes_too(tmp_path: Path) -> None:
     assert np.std(recording.samples[0] - motion) < 0.05
 
 
-def test_axes_called_g_are_in_g(tmp_path: Path) -> None:
+def test_axes_called_g_are_asked_for(tmp_path: Path) -> None:
     motion, axes = phone(moving=2)
     total = np.sqrt(sum(a**2 for a in axes))
     text = table("time,gFx,gFy,gFz,TgF", np.arange(300) / RATE, *(a / GRAVITY for a in (*axes, total)))
-    recording = load(tmp_path, text)
-    assert [c.name for c in recording.channels] == ["gFz"]
+    assert "column 4 'gFz'" in refusal(tmp_path, text)
+    recording = load(tmp_path, text, columns={"acceleration": "gFz"}, units={"acceleration": "g"})
     assert np.std(recording.samples[0] - motion) < 0.05
 
 
@@ -230,11 +225,9 @@ def test_the_rate_is_read_from_a_line_above(tmp_path: Path, line: str) -> None:
     assert load(tmp_path, table(f"{line}\nx (mm)", 1e3 * x)).rate == pytest.approx(100.0)
 
 
-@pytest.mark.parametrize("name", ["dt (s)", "Delta_t [s]", "time since last (s)", "diff (s)"])
-def test_a_column_of_time_steps_with_a_name_is_summed_up(tmp_path: Path, name: str) -> None:
+def test_a_column_of_time_steps_needs_a_recipe(tmp_path: Path) -> None:
     _, x, _, _ = swing()
-    recording = load(tmp_path, table(f"x (m),{name}", x, np.full(200, 0.01)))
-    assert recording.rate == pytest.approx(100.0)
+    assert "time_step" in refusal(tmp_path, table("x (m),dt (s)", x, 0.01 + 0.001 * (np.arange(200) % 2)))
 
 
 def test_a_velocity_is_enough(tmp_path: Path) -> None:
@@ -277,12 +270,17 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize(("form", "names"), [("a list", ["1", "2"]), ("keys", ["4", "7"])])
-def test_runs_in_json_are_runs(tmp_path: Path, form: str, names: list[str]) -> None:
-    runs = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
-    assert [r.run for r in runs] == names
-    np.testing.assert_array_equal(runs[0].samples[0], X)
-    np.testing.assert_array_equal(runs[1].samples[0], V[:90])
+@pytest.mark.parametrize(("form", "key"), [("a list", "runs.2"), ("keys", "run7")])
+def test_of_several_tables_in_json_the_largest_is_read_and_a_recipe_names_another(
+    tmp_path: Path, form: str, key: str
+) -> None:
+    (largest,) = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
+    np.testing.assert_array_equal(largest.samples[0], X)
+    assert f"not read: the table under '{key}'" in said(largest)
+    fields = [{"name": "t", "role": "time"}, {"name": "x", "role": "displacement"}]
+    recipe = Recipe.model_validate({"fields": fields, "dialect": {"property": key}})
+    (other,) = look_at(tmp_path / "a.json", recipe=recipe).read().recordings
+    np.testing.assert_array_equal(other.samples[0], V[:90])
 
 
 def test_json_of_a_record_a_line_and_of_channels_is_read(tmp_path: Path) -> None:
@@ -336,9 +334,9 @@ def test_rows_that_are_counted_from_any_number_are_no_clock(tmp_path: Path) -> N
 
 def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
     motion, axes = phone(230)
-    recording = load(tmp_path, json.dumps([list(axis) for axis in axes]), rate=30.0)
+    asked = {"rate": 30.0, "columns": {"acceleration": 1}, "units": {"acceleration": "m/s^2"}}
+    recording = load(tmp_path, json.dumps([list(axis) for axis in axes]), **asked)
     assert recording.samples.shape == (1, 230)
-    assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
     assert np.std(recording.samples[0] - motion) < 0.05
 
 

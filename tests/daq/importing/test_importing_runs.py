@@ -8,7 +8,7 @@ import pytest
 from import_files import OMEGA, RATE, load, refusal, said, swing, write
 
 import daq
-from daq.importing import ImportOptions, read_file, read_runs
+from daq.importing import ImportOptions, ImportProblem, Recipe, read_file, read_runs
 from daq.recording import Array
 
 
@@ -138,10 +138,14 @@ def test_a_time_that_begins_again_begins_a_run(tmp_path: Path) -> None:
     np.testing.assert_allclose(runs[1].samples[0], made[1][1], rtol=1e-8, atol=1e-12)
 
 
-def test_columns_that_are_only_called_runs_are_displacements_over_one_time(tmp_path: Path) -> None:
+def test_columns_that_are_only_called_runs_are_named_by_a_recipe(tmp_path: Path) -> None:
     (t, x), (_, y) = releases((200, 200))
-    runs = read_runs(write(tmp_path, wide("t;run1;run2", [t, x, y])))
-    np.testing.assert_allclose(runs[1].samples[0], y, rtol=1e-8, atol=1e-12)
+    file = write(tmp_path, wide("t;run1;run2", [t, x, y]))
+    with pytest.raises(ImportProblem, match="nothing says whether column 2"):
+        read_runs(file)
+    runs = [{"name": f"run{k}", "role": "displacement", "run": f"{k}"} for k in (1, 2)]
+    recipe = Recipe.model_validate({"fields": [{"name": "t", "role": "time"}, *runs]})
+    np.testing.assert_allclose(read_runs(file, recipe=recipe)[1].samples[0], y, rtol=1e-8, atol=1e-12)
 
 
 def test_a_channel_that_stands_still_or_repeats_another_is_not_taken(tmp_path: Path) -> None:
