@@ -57,3 +57,21 @@ def test_drop_outs_and_clipped_readings_are_left_as_they_are(tmp_path: Path) -> 
             units={"displacement": "counts"},
         )
         np.testing.assert_array_equal(recording.samples[0], numbers)
+
+
+def test_a_counter_goes_on_where_its_word_of_two_bytes_is_full(tmp_path: Path) -> None:
+    rate = np.round(
+        900.0 * np.exp(-0.2 * T) * np.cos(6.0 * T) + 30.0 * np.random.default_rng(4).standard_normal(len(T))
+    )
+    recording = load(
+        tmp_path, table("t_s,gz", T, rate % 65536), columns={"velocity": "gz"}, units={"velocity": "counts"}
+    )
+    np.testing.assert_array_equal(recording.samples[0], rate)
+    assert "jumps by 65536" in said(recording)
+
+
+def test_lost_readings_near_the_end_of_a_word_are_no_jump(tmp_path: Path) -> None:
+    """Two bytes near full scale, and 0 where the converter did not answer: counted on, 0 would read as 65536."""
+    counts = np.rint(64000.0 + 20.0 * SWING)
+    counts[[300, 301, 700, 1100]] = 0.0
+    assert "jumps" not in said(load(tmp_path, table("time_s,accel_g", T, counts)))
