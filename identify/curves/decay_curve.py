@@ -79,13 +79,15 @@ class DecayCurve:
 
     @property
     def driven(self) -> bool:
-        """Whether the amplitude settles at a constant value, or beats about one, until the end.
+        """Whether the amplitude grows, settles at a constant value, or beats about one, until the end.
 
         No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
         """
         level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
         if len(self.late) < _LONG_ENOUGH or before.min() >= level:
             return False
+        if self.grows:
+            return True
         if not self.beats_late:
             return bool(np.ptp(before) > 2.0 * _STEADY * level)
         thirds = np.array_split(self.late, 3)
@@ -94,6 +96,11 @@ class DecayCurve:
         )
         fallen = before.max() > _FALLEN * self.late.max()
         return len(thirds[0]) >= _LONG_ENOUGH and all(alike) and bool(fallen)
+
+    @property
+    def grows(self) -> bool:
+        """Whether the late part is larger than all before it, by a quarter."""
+        return bool(self.late.max() > _COMES_BACK * self.amplitude[: len(self) - len(self.late)].max())
 
     @property
     def beats_late(self) -> bool:

@@ -70,6 +70,11 @@ def explain_driven(found: Confirmation, unit: str) -> str:
     curve = next(curve for curve in found.curves if curve.driven)
     frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
     late = curve.late
+    if curve.grows:
+        return (
+            f"The motion grows to {three_figures(late.max())} {unit} at {three_figures(frequency)} Hz. Something feeds it; "
+            "a free decay is needed to name a force. Stop the drive, or find what feeds the motion, before a release."
+        )
     beats = (
         ""
         if not curve.beats_late

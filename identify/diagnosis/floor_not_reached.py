@@ -1,7 +1,7 @@
 """The judgement where the noise floor is not reached, or is only a guess.
 
 Chi-square alone names nothing there. An effect is named if it predicts what it was not fitted to; or one force whose
-simulation leaves almost no residual, where the curves cannot decide.
+simulation leaves almost no residual, where the curves cannot decide. The strength of either must be clear of none.
 
 A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 
@@ -92,7 +92,7 @@ def by_curves(
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
     confirmed = found is not None and bool(found.effects) and not baseline.floor_is_sure
     whole = fit_confirmed(baseline, found) if confirmed and found is not None else None
-    if found is not None and whole is not None:
+    if found is not None and whole is not None and all(is_clear(whole, e.term) for e in found.effects):
         return _of_confirmed(baseline, ranked, found, whole)
     alone = _by_free_run(baseline, ranked, found)
     if alone is not None:
