@@ -127,6 +127,10 @@ def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat
     driven = curve(0.6 + beat + 1.2 * np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time / 11.0) ** 2)
     assert driven.driven
     assert driven.beats_late
+    growing = curve(np.exp(0.05 * time))
+    assert growing.grows
+    assert growing.driven
+    assert not driven.grows
     assert not curve((0.6 + beat) * np.exp(-0.02 * time)).driven
     assert not curve((0.6 + beat) / (1.0 + 0.03 * time)).driven
 

@@ -7,6 +7,7 @@ from identify.diagnosis.diagnose import diagnose
 from identify.effects.effect import Scales
 from identify.effects.memory import SECOND_MASS
 from identify.free_decay import FreeDecay
+from mocks.generate import draw
 
 
 def scales(duration: float) -> Scales:
@@ -48,3 +49,18 @@ def test_a_camera_s_second_harmonic_is_not_called_a_second_mass(phase: float) ->
     found = diagnose(FreeDecay(60.0, displacement=1e-3 * reading))
     assert found.verdict == "unknown_effect"
     assert not found.named
+
+
+@pytest.mark.parametrize(
+    ("hidden", "strength", "seed"), [("second_mass", 0.1, 55142), ("harmonic_forcing", 0.01, 70000)]
+)
+def test_what_swings_by_itself_is_named_though_the_record_begins_in_mid_decay(
+    hidden: str, strength: float, seed: int
+) -> None:
+    """One channel without a rest: how far the second mass was from equilibrium at the start is not known."""
+    sample = draw(hidden, strength, seed)
+    found = diagnose(FreeDecay(sample.rate, sample.displacement[round(1.2 * sample.rate) :]))
+    assert found.named == (hidden,)
+    if hidden == "second_mass":
+        ratio = found.suspects[0].parameters["ratio"].value
+        assert ratio == pytest.approx(sample.truth["parameters"]["ratio"], rel=0.1)
