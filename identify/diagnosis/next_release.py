@@ -32,8 +32,8 @@ _ENOUGH = 0.9
 _AFRESH = 3.0
 """How many times as much as the same amplitude again a release must show of what can hide: else that was looked for."""
 
-_REFITS = 6
-"""Most experiments of which rivals are refitted to the records themselves, those that lead."""
+_REFITS, _AT_A_GLANCE = 6, 2
+"""Most experiments of which rivals are refitted to the records themselves, those that lead: in a guided test, and else."""
 
 _COUNTS = 0.1
 """Share of the likeliest pair's odds from which on a pair is refitted too."""
@@ -167,12 +167,12 @@ def next_release(
     last = max(decays, key=lambda decay: decay.amplitude)
     if last.window.force is not None:
         return None
-    lead = hypotheses[0]
+    lead, refits = hypotheses[0], _AT_A_GLANCE if limits is None else _REFITS
     if lead.has_law and not lead.names:
-        question = _Question(last, tuple(hypotheses), first_hiding=1)
+        question = _Question(last, tuple(hypotheses), 1, refits)
     else:
         open_ = _open(hypotheses, at_least=2 if hiding is None else 1)
-        question = _Question(last, (*open_, *(hiding or ())), first_hiding=len(open_))
+        question = _Question(last, (*open_, *(hiding or ())), len(open_), refits)
     if not question.pairs:
         return None
     bounds = limits or Limits(_REACH[0] * last.amplitude, _REACH[1] * last.amplitude)
@@ -211,6 +211,7 @@ class _Question:
     last: PreparedDecay
     considered: tuple[Hypothesis, ...]
     first_hiding: int
+    refits: int
 
     @cached_property
     def chances(self) -> Array:
@@ -248,7 +249,7 @@ class _Question:
             if weight >= _COUNTS * weights.max()
         ]
         done = 0
-        while tried and done < _REFITS:
+        while tried and done < self.refits:
             at = max(range(len(tried)), key=lambda i: self._by_worth(tried[i]))
             pairs = {*leading, self.pair(tried)}
             again = self.refitted(tried[at], sorted(pairs))
