@@ -18,7 +18,7 @@ from identify.arrays import Array
 from identify.effects.effect import Effect, Scales
 from identify.effects.force_effect import ForceEffect
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import close_starts
+from identify.fitting.initial_values import close_starts, term_starts
 from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Term
 from identify.priors import DOUBT, MOST_ALIKE, STRENGTHS
@@ -171,8 +171,8 @@ def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scale
         return 2.0 * np.pi
     if term.effect.line and unknown.unit == "Hz":
         return 0.5 * scales.rate
-    starts = (start.get(unknown.id.parameter, 0.0) for start in close_starts(term, scales))
-    sizes = sorted(abs(size) for size in starts if size)
+    reach = close_starts(term, scales) if term.is_force else term_starts(term, scales)
+    sizes = sorted(abs(start[unknown.id.parameter]) for start in reach if start.get(unknown.id.parameter))
     if len(sizes) > 1 and sizes[0] < sizes[-1]:
         return float(np.log(sizes[-1] / sizes[0])) * abs(value)
     sides = 1.0 if np.isfinite(unknown.low) else 2.0

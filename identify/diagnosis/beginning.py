@@ -185,10 +185,12 @@ def _not_from_rest(
 ) -> list[Array]:
     """List complete starting points at which the memory of a force did not begin at rest, the best by equation error.
 
-    Strengths and states are those of the equation error.
+    Strengths and states are those of the equation error. None where the largest release was recorded from rest.
     """
     model, effect = problem.model, term.effect
     largest = max(decays, key=lambda prepared: prepared.amplitude)
+    if largest.window.pre_release is not None:
+        return []
     place = [t.effect.name for t in model.forces].index(effect.name)
     physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked: list[tuple[float, dict[str, float]]] = []
