@@ -106,7 +106,7 @@ def _firm(covariance: Array) -> Array:
     """Return a covariance that can be inverted, whatever rounding has done to it."""
     std = np.sqrt(np.diag(covariance))
     eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(std, std))
-    return np.outer(std, std) * ((vectors * np.maximum(eigenvalues, _ROUNDING)) @ vectors.T)
+    return np.asarray(np.outer(std, std) * ((vectors * np.maximum(eigenvalues, _ROUNDING)) @ vectors.T))
 
 
 def _same(one: _Candidate, other: _Candidate) -> bool:

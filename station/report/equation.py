@@ -79,7 +79,7 @@ def _numbers(fit: Fit, right: str) -> str:
 
 def _typeset_equation(text: str) -> str:
     raised = re.sub(r"mu_(\d)", lambda found: typeset(found.group(0)), typeset(text))
-    return raised.replace("u''", "ü", 1)
+    return raised.replace("u''", "ü", 1).replace("+ -", "− ")
 
 
 def _parameters(fit: Fit) -> Table:

@@ -105,8 +105,8 @@ def engineering_values(
         name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
         if part is None:
             name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
-        relative = mass is None or term.force.shared_parameters
-        whole = None if relative else times_mass(value, mass, mass_std, unit)
+        relative = bool(term.force.shared_parameters)
+        whole = None if mass is None or relative else times_mass(value, mass, mass_std, unit)
         found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}

@@ -19,9 +19,11 @@ def times(chi2: float | None) -> str:
 
 
 def residual_words(motion_percent: float | None, chi2: float | None) -> str:
-    """Return "0.916 % of the motion, 15.1 times the noise"."""
-    motion = three_figures(nan if motion_percent is None else motion_percent)
-    return f"{motion} % of the motion, {times(chi2)} times the noise"
+    """Return "0.916 % of the motion, 15.1 times the noise"; of a run that diverged, that it does not follow the motion."""
+    percent = nan if motion_percent is None else motion_percent
+    if not isfinite(percent) and not isfinite(noise_multiple(chi2)):
+        return "the whole motion, which it does not follow at all"
+    return f"{three_figures(percent)} % of the motion, {times(chi2)} times the noise"
 
 
 def floor_words(chi2_std: float | None) -> str:

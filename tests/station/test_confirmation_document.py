@@ -176,7 +176,9 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
 
 def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
-    parts = suspects(SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, left_out={}))
+    parts = suspects(
+        SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, compared=None, left_out={})
+    )
     table = next(p for p in parts if p.kind == "table" and p.head[0] == "left out")
     assert table.rows[0] == ("first", "5.00 to 1.00", "4.00 to 1.00", "3.00 to 0.00")
     assert table.rows[-1][0] == "all, rms"
