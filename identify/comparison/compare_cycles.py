@@ -45,7 +45,8 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     window, segments, count = shooting.window, shooting.segments, len(shooting.segments)
     normal, gradient, turn, fixed, left, per_energy = _assemble(shooting)
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    both = np.outer(scale, scale)
+    inverse = np.linalg.pinv(normal / both, hermitian=True) / both
     left -= float(gradient @ inverse @ gradient)
     kappa = turn @ (inverse @ gradient) + fixed
     factors = np.concatenate([np.full(count, 50.0 * _SHARE), per_energy])

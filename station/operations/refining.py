@@ -233,6 +233,7 @@ def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> Kep
         error=Errors.model_validate(step.error),
         chi2_std=step.error.floor_std,
         floor_percent=motion_floor(step.fit),
+        reached=step.at_floor,
         nuisances={name: found.value for name, found in step.fit.nuisances.items()},
         begun_with=begun_with,
     )
@@ -262,4 +263,5 @@ def _added(step: Step, name: str, before: Step) -> str:
 def _manual(step: Step, done: str) -> str:
     if step.at_floor:
         return f"{done}; the noise floor is reached"
-    return f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}"
+    left = residual_words(step.error.motion_percent, step.error.chi_square, step.error.floor_std)
+    return f"{done}; the model leaves {left}"

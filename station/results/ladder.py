@@ -19,9 +19,9 @@ REMEDY = "begin again with --reset"
 class KeptStep(Part):
     """One step: what was added or removed, the model with its values, and its errors.
 
-    `floor_percent` is what noise alone leaves of the motion; `nuisances` are the release's own values (state at the start,
-    lag, gain, offsets), from which the same fit is found again at once. `begun_with` says which model it is that the ladder
-    began with; "" above that step.
+    `floor_percent` is what noise alone leaves of the motion, `reached` whether the model leaves no more. `nuisances` are the
+    release's own values (state at the start, lag, gain, offsets), from which the same fit is found again at once.
+    `begun_with` says which model it is that the ladder began with; "" above that step.
     """
 
     added: str = ""
@@ -30,6 +30,7 @@ class KeptStep(Part):
     error: Errors
     chi2_std: float
     floor_percent: Number = None
+    reached: bool | None = None
     nuisances: dict[str, float]
     begun_with: str = ""
 
@@ -51,7 +52,7 @@ class KeptStep(Part):
     @property
     def at_floor(self) -> bool:
         """Whether the model leaves no more than noise does."""
-        return reaches_floor(self.error.chi2, self.chi2_std)
+        return reaches_floor(self.error.chi2, self.chi2_std) if self.reached is None else self.reached
 
     @property
     def parameters(self) -> dict[str, Value]:

@@ -38,6 +38,12 @@ class Compared:
         return len(self.judged.decays)
 
     @property
+    def left(self) -> str:
+        """What the model leaves, in words."""
+        above = None if self.judged.at_floor else self.error.floor_std
+        return residual_words(self.error.motion_percent, self.error.chi_square, above)
+
+    @property
     def one_run(self) -> str:
         """The residual of a long record simulated in one piece, and why it is larger; "" for a short record."""
         if self.pieces < 2:
@@ -56,14 +62,13 @@ class Compared:
 
 
 def motion_floor(fit: Fit) -> float:
-    """Return what noise alone leaves of the motion, in % of its rms; of coloured noise, what a residual such as this shows."""
+    """Return what noise alone leaves of the motion, in % of its rms; of coloured noise as much as in this residual."""
     shares = []
     for i, window in enumerate(fit.windows):
         channel = window.channels[0]
         used, power = window.used[channel], window.sigma[channel] ** 2
         if channel in window.colour:
-            power = np.mean(fit.residual(channel, i)[used] ** 2) / np.mean(
-                fit.in_noise(channel, i)[used] ** 2
-            )
+            left, in_noise = fit.residual(channel, i)[used], fit.in_noise(channel, i)[used]
+            power = float(np.sum(left**2) / np.sum(in_noise**2))
         shares.append(power / np.var(window.readings[channel][used]))
     return 100.0 * float(np.sqrt(np.mean(shares)))
