@@ -136,12 +136,12 @@ def _prepared(
         return decay
 
     ready, skipped = of_each(opened, prepared)
-    for reason in by_reason(skipped):
-        progress(f"skipped: {reason}")
     if not ready and set(skipped.values()) == {OWN}:
         raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
     if not ready:
         raise NotIdentifiable(f"no session can be predicted: {'; '.join(by_reason(skipped))}")
+    for reason in by_reason(skipped):
+        progress(f"skipped: {reason}")
     return ready, skipped
 
 

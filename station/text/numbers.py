@@ -86,9 +86,9 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
 
 
-def per_mass(unit: str) -> str:
-    """Name a force over what moves, for a displacement in `unit`."""
-    return "torque per unit inertia" if unit.startswith("rad") else "force per unit mass"
+def per_mass(unit: str, words: str = "force per unit mass") -> str:
+    """Write words of forces and masses as those of torques and inertias where the displacement is an angle."""
+    return words.replace("force", "torque").replace("mass", "inertia") if unit.startswith("rad") else words
 
 
 # Typeset: raised powers, Greek letters, powers of ten.

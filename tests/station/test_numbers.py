@@ -81,4 +81,5 @@ def test_no_zero_has_a_sign_and_evidence_is_told_as_odds():
 
 def test_what_moves_through_an_angle_has_a_torque_and_an_inertia():
     assert per_mass("rad/s") == "torque per unit inertia"
+    assert per_mass("rad", "friction force per unit mass") == "friction torque per unit inertia"
     assert per_mass("m") == "force per unit mass"
