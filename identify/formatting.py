@@ -61,9 +61,9 @@ def with_error(value: float | None, std: float | None) -> str:
         last += 1
     if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
         decimals, factor = exponent - last, 10.0**exponent
-        both = f"({value / factor:.{decimals}f} ± {std / factor:.{decimals}f})"
+        both = f"({value / factor:z.{decimals}f} ± {std / factor:.{decimals}f})"
         return f"{both} × 10{str(exponent).translate(_RAISED)}".replace(" ", SPACE)
-    return f"{value:.{-last}f} ± {std:.{-last}f}".replace(" ", SPACE)
+    return f"{value:z.{-last}f} ± {std:.{-last}f}".replace(" ", SPACE)
 
 
 def share_words(share: float) -> str:

@@ -1,7 +1,7 @@
 """Compare: by how much a fitted model fails, and where, in units of the noise."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,9 +19,11 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import force_misfit, force_mse_percent
+from identify.fitting.problem import Problem
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
-from identify.model.model import Model, base_model
+from identify.model.model import Model, Term, base_model
+from identify.model.parameter_id import nuisance
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
@@ -104,7 +106,8 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     prepared, fit, floor = baseline.decays[0], baseline.fit, baseline.floors[0]
     window = fit.windows[0]
     doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
-    shooting = shoot(prepared, fit)
+    faults = fit.model.faults if baseline.at_floor else ()
+    shooting = shoot(*_without_faults(prepared, fit)) if faults else shoot(prepared, fit)
     if shooting.stiffness < _NO_SPRING * fit.frequency**2:
         raise NotIdentifiable(
             "The model, fitted to this record in one run, has lost its spring: it cannot be compared cycle by cycle. "
@@ -140,10 +143,36 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
-        cause=_cause(baseline, kinematics, tone),
+        cause=_cause(baseline, faults, kinematics, tone),
         unit=window.unit,
         mass=mass,
     )
+
+
+def _without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
+    """Return a release and a fit that explains it as sensors without the modelled faults would have read them.
+
+    The measured motion and alignment have the faults in them: the model's take their place.
+    """
+    values, window, motion = fit.of_release(0), fit.windows[0], prepared.motion
+    problem = Problem(Model(fit.model.forces), (window,), fit.frequency)
+    theta = problem.theta(values)
+    read = problem.read(theta, 0, problem.respond(theta, 0))
+    response = problem.respond(problem.theta(values | {str(nuisance("lag", 0, 1)): 0.0}), 0)
+    zero = prepared.zero - values.get("displacement_offset", prepared.zero)
+    motion = replace(
+        motion,
+        displacement=response.displacement - zero,
+        velocity=response.velocity,
+        acceleration=response.acceleration,
+    )
+    aligned = prepared.alignment
+    if aligned is not None:
+        lag, gain = (fit.nuisance(name, 0) or getattr(aligned, name) for name in ("lag", "gain"))
+        aligned = replace(aligned, lag=lag, gain=gain)
+    readings = {c: fit.residual(c) + read[c] for c in window.channels}
+    seen = replace(fit, windows=(window.with_(readings=readings),), predicted=(read,))
+    return replace(prepared, motion=motion, alignment=aligned), seen
 
 
 def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float]:
@@ -168,7 +197,13 @@ def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
     return frozen(misfit)
 
 
-def _cause(baseline: Baseline, kinematics: KinematicCheck | None, tone: ResidualTone | None) -> str:
+def _cause(
+    baseline: Baseline,
+    modelled: tuple[Term, ...],
+    kinematics: KinematicCheck | None,
+    tone: ResidualTone | None,
+) -> str:
+    """Say whether to look at a sensor or at physics; faults that are `modelled` explain what they do to the channels."""
     if kinematics is None:
         return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
     if tone is not None and tone.sensor:
@@ -176,22 +211,22 @@ def _cause(baseline: Baseline, kinematics: KinematicCheck | None, tone: Residual
             f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "
             "of that sensor; look at it first."
         )
-    if kinematics.significance > _SURE:
+    if kinematics.significance > _SURE and not modelled:
         return (
             f"The channels contradict each other, whatever the forces are (a - D^2 u is {kinematics.significance:.0f} "
             "standard errors above its noise): look at a sensor first."
         )
-    if kinematics.drift > _SURE:
+    if kinematics.drift > _SURE and not modelled:
         return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
     if not baseline.adequate(baseline.fit):
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "
             "it is physics (or the displacement drifts slowly, which looks like motion)."
         )
-    faults = [f for f in corrected_faults(baseline.decays, baseline.fit) if f.p_value < baseline.alpha]
-    if faults:
+    faults = [f.term for f in corrected_faults(baseline.decays, baseline.fit) if f.p_value < baseline.alpha]
+    if faults := [*modelled, *faults]:
         return (
-            f"The model follows the motion once a sensor's fault is corrected ({faults[0].term.effect.title}): "
+            f"The model follows the motion once a sensor's fault is corrected ({faults[0].effect.title}): "
             "look at that sensor."
         )
     return "Both channels describe one motion within their noise, and the model follows it within its noise."

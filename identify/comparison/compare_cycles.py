@@ -39,18 +39,22 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
 
     The state at the start of each cycle is found from the readings around it; in between, a change of stiffness
     and one of viscous damping make the model arrive where the next cycle begins. All cycles are solved at once,
-    with lag, gain and offset of the acceleration as common unknowns.
+    with lag, gain and offset of the acceleration as common unknowns. Where the mass stands still nothing is known: the
+    error is as large as the spring, and as the energy of the largest cycle.
     """
     window, segments, count = shooting.window, shooting.segments, len(shooting.segments)
     normal, gradient, turn, fixed, left, per_energy = _assemble(shooting)
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    both = np.outer(scale, scale)
+    inverse = np.linalg.pinv(normal / both, hermitian=True) / both
     left -= float(gradient @ inverse @ gradient)
     kappa = turn @ (inverse @ gradient) + fixed
     factors = np.concatenate([np.full(count, 50.0 * _SHARE), per_energy])
     order = np.r_[0 : 2 * count : 2, 1 : 2 * count : 2]
     errors = factors * kappa[order]
     covariance = (turn @ inverse @ turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
+    whole = np.repeat([factors[0], np.max(per_energy)], count) / _SHARE
+    covariance += np.diag(np.where(np.diag(covariance) > 0.0, 0.0, whole**2))
     std = np.sqrt(np.diag(covariance))
     sweep = np.hypot(shooting.displacement, shooting.velocity / shooting.frequency)
     return CycleErrors(

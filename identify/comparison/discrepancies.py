@@ -1,7 +1,7 @@
 """The worst places: where the model fails beyond the noise, each in a sentence that an engineer accepts."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement as _bands
 
 import numpy as np
@@ -19,6 +19,7 @@ _DRAWS = 1000
 _GROUPS = 6
 _OVERLAP = 0.3
 _SHARE_OF_WORST = 0.1
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ def find_discrepancies(
     """
     force = plane.force[plane.bins[:, 0], plane.bins[:, 1]]
     errors = np.concatenate([cycles.frequency_error, cycles.energy_error])
+    plane = replace(plane, covariance=_firm(plane.covariance))
+    cycles = replace(cycles, covariance=_firm(cycles.covariance))
     families = (
         (tuple(_force_candidates(plane)), force, plane.covariance, doubt[0]),
         (tuple(_cycle_candidates(cycles)), errors, cycles.covariance, doubt[1]),
@@ -77,8 +80,7 @@ def find_discrepancies(
         if not candidates:
             continue
         weights = np.array([c.weights / c.std for c in candidates])
-        firm = covariance + np.diag(1e-9 * np.diag(covariance))
-        chance = weights @ (np.linalg.cholesky(firm) @ random.standard_normal((len(values), _DRAWS)))
+        chance = weights @ (np.linalg.cholesky(covariance) @ random.standard_normal((len(values), _DRAWS)))
         worst_by_chance = np.maximum(worst_by_chance, np.max(np.abs(chance), axis=0))
         for candidate, score in zip(candidates, weights @ values / factor, strict=True):
             found.append((float(score), candidate, values, factor))
@@ -98,6 +100,13 @@ def find_discrepancies(
         places.append(Discrepancy("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
     places.sort(key=lambda place: -place.significance)
     return tuple(places[:MOST])
+
+
+def _firm(covariance: Array) -> Array:
+    """Return a covariance that can be inverted, whatever rounding has done to it."""
+    std = np.sqrt(np.diag(covariance))
+    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(std, std))
+    return np.asarray(np.outer(std, std) * ((vectors * np.maximum(eigenvalues, _ROUNDING)) @ vectors.T))
 
 
 def _same(one: _Candidate, other: _Candidate) -> bool:

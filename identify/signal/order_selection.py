@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from identify.formatting import three_figures
+
 CLEAR = 4.0  # standard errors by which a further coefficient must stand clear of zero
 
 
@@ -40,7 +42,7 @@ def choose_order(
     if best == 0:
         return orders[0], f"{what} of order {orders[0]} is enough: {why_not}"
     times = misfits[best - 1] / max(misfits[best], 1e-300)
-    size = f"{times:.2g}" if times < 1000.0 else "over 1000"
+    size = three_figures(times) if times < 1000.0 else "over 1000"
     return orders[best], (
         f"{what} of order {orders[best]}: order {orders[best - 1]} leaves {size} times its misfit; {why_not}"
     )

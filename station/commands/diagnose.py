@@ -40,7 +40,7 @@ def command(
     from identify.errors import NotIdentifiable
     from identify.model.model import base_model
     from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
-    from station.operations.session_set import declared, open_sessions
+    from station.operations.session_set import by_reason, declared, open_sessions
     from station.results.diagnosis_document import refused_document
     from station.story.preparation import weighing_of
     from station.text.diagnosis_text import next_command, told
@@ -53,8 +53,8 @@ def command(
             names = tuple(Path(session).name for session in sessions)
             print_json(refused_document(names, base_model(), str(refusal)).plain())
         raise Answered(f"not enough data: {refusal}") from refusal
-    for name, why in opened.left_out.items():
-        progress(f"{name} is left out: {why}")
+    for reason in by_reason(opened.left_out):
+        progress(f"left out: {reason}")
     check_same_bench(opened, anyway, progress)
     _, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
     keep(opened, document)

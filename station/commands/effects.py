@@ -21,8 +21,7 @@ def command(name: str | None = argument(required=False, callback=known_effect), 
             effect = find_effect(name)
         except KeyError as missing:
             raise UsageProblem(str(missing.args[0])) from None
-        step = ("refine", "last", "--add", name)
-        answer(as_json, effect_text.as_document(effect), effect_text.told(effect), *step, full=True)
+        answer(as_json, effect_text.as_document(effect), effect_text.told(effect), full=True)
     elif as_json:
         print_json({"effects": [effect_text.as_document(effect) for effect in LIBRARY]})
     else:

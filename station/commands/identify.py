@@ -2,8 +2,9 @@
 
 import click
 
-from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
+from station.commands.options import FULL, JSON, MASS_INSTEAD, SESSION, declared, option
 from station.exits import UsageProblem
+from station.output import progress
 from station.settings import Settings
 
 
@@ -14,6 +15,7 @@ def command(
     mass: float | None = MASS_INSTEAD,
     max_order: int | None = option("Highest order of damping that is tried.", type=click.IntRange(0, 5)),
     stiffness_orders: str | None = option("Orders of displacement in the restoring force.", metavar="1,3"),
+    full: bool = FULL,
     as_json: bool = JSON,
 ) -> None:
     """Find stiffness, friction and damping in SESSION.
@@ -36,8 +38,8 @@ def command(
         options = replace(options, max_order=max_order)
     if stiffness_orders is not None:
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
-    result, document = identify_session(opened, options)
-    words = told(opened.folder.name, result)
+    result, document = identify_session(opened, options, progress)
+    words = told(opened.folder.name, result, full=full)
     answer(as_json, document.plain(), words, next_command(result), opened.folder)
     refuse_if_nothing(result)
 

@@ -107,7 +107,8 @@ def command(
         if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
             click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(file, options, refusal) from refusal
-    answer(as_json, _document(file, imported), _told(file, imported), "identify", imported.sessions[0].folder)
+    step = ("identify", imported.sessions[0].folder) if imported.released else ()
+    answer(as_json, _document(file, imported), _told(file, imported), *step)
 
 
 def _two(option: str, given: str | None) -> tuple[str, str] | None:

@@ -118,15 +118,14 @@ def columns_by_quantity(
     return {name: int(column) if column.isdigit() else column for name, column in found.items()}
 
 
-def known_effect(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
-    """Refuse at once an effect that is not in the library; a formula, and names of a file of effects, pass."""
+def known_effect(context: click.Context, parameter: click.Parameter, value: Given | None) -> Given | None:
+    """Refuse at once effects that are not in the library; a formula, and names of a file of effects, pass."""
     from station.suggestions import MEASURED_CURVE, effect_names, no_such_effect
 
-    if value is None or "=" in value or context.params.get("effects_file"):
-        return value
     names = (*effect_names(), MEASURED_CURVE)
-    if value not in names:
-        raise no_such_effect(value, names)
+    for name in (value,) if isinstance(value, str) else value or ():
+        if "=" not in name and name not in names and not context.params.get("effects_file"):
+            raise no_such_effect(name, names)
     return value
 
 

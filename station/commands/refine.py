@@ -24,9 +24,10 @@ from station.settings import Settings
 def command(
     settings: Settings,
     session: str = SESSION,
-    added: str | None = option(
+    added: tuple[str, ...] = option(
         'A name, or "magnet = a*u/(1+(u/b)**2)", or measured_curve.',
         "--add",
+        multiple=True,
         metavar="EFFECT",
         callback=known_effect,
     ),
@@ -60,15 +61,15 @@ def command(
     opened = open_session(session, settings.sessions)
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
     ladder = refinement.ladder
-    if added:
-        ladder = add(refinement, added)
-    elif removed:
+    for name in added:
+        ladder = add(replace(refinement, ladder=ladder), name)
+    if removed:
         ladder = remove(refinement, removed)
     elif auto:
         ladder = refine_to_floor(refinement, progress)
     elif number is not None:
         ladder = go_to(refinement, number)
-    elif reset or model_file is not None or ladder.seen is None:
+    elif not added and (reset or model_file is not None or ladder.seen is None):
         ladder = write_ladder(opened, ladder)
     weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
     document = ladder_document(opened, ladder)

@@ -24,14 +24,14 @@ def command(
     """
     from identify.errors import NotIdentifiable
     from station.operations.identifying import identified
-    from station.operations.session_set import of_each
+    from station.operations.session_set import by_reason, of_each
     from station.results.sessions import open_session
     from station.text import table
 
     opened = [open_session(name, settings.sessions) for name in sessions]
     found, left_out = of_each(opened, lambda session: identified(session, settings))
-    for name, why in left_out.items():
-        progress(f"left out: {name}: {why}")
+    for reason in by_reason(left_out):
+        progress(f"left out: {reason}")
     documents, folders = [document for _, document in found], [session.folder for session, _ in found]
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")

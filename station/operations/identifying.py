@@ -16,7 +16,7 @@ from station.results.identification_document import NAME, IdentificationDocument
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
-from station.story.pipeline import identify, with_adequacy
+from station.story.pipeline import Progress, identify, silent, with_adequacy
 from station.story.preparation import Options, locate, options_for, prepare_recording
 
 if TYPE_CHECKING:
@@ -25,12 +25,15 @@ if TYPE_CHECKING:
 VIEW = "identification.rrd"
 
 
-def identify_session(session: Session, options: Options) -> tuple[Identification, IdentificationDocument]:
+def identify_session(
+    session: Session, options: Options, progress: Progress = silent
+) -> tuple[Identification, IdentificationDocument]:
     """Identify a session and write results/identification.json; return the identification and its document.
 
     The model that was found is judged on the same record, so that nobody quotes what does not explain it.
     """
     recording = session.recording()
+    progress("identifying by both methods")
     found = locate(recording, options)
     result = identify(recording, options, found)
     try:
@@ -38,6 +41,7 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     except NotASession:  # it is not sealed
         doubt = ""
     try:
+        progress("fitting the identified model")
         prepared = with_floor(session, prepare_recording(recording, options, found=found))
         result = with_adequacy(result, prepared, doubt)
     except NotIdentifiable as refusal:

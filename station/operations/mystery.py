@@ -108,7 +108,8 @@ def solve(
     show(console, diagnosis_text.told(document, Weighing(MASS_KG)))
     ladder = refinement.ladder
     if document.named:
-        _say(console, f"3. ADD: station refine {session.folder.name} --add {document.named[0]}")
+        added = " ".join(f"--add {name}" for name in document.named)
+        _say(console, "3. ADD what is named", f"station refine {session.folder.name} {added}")
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))

@@ -30,6 +30,7 @@ from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
+from station.story.compared import motion_floor
 from station.story.pipeline import Progress
 from station.story.preparation import prepare_session
 from station.story.residual import residual_words
@@ -88,15 +89,12 @@ def open_refinement(
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
     """Compute the three errors that noise alone gives."""
-    motion, window = prepared.motion, step.fit.windows[0]
+    motion = prepared.motion
     used = moving(motion)
-    channel = window.channels[0]
     noise = motion.noise_acceleration or 0.0
     return Errors(
         force_mse_percent=float(100.0 * noise**2 / np.var(prepared.restoring[used])),
-        motion_percent=float(
-            100.0 * window.sigma[channel] / np.std(window.readings[channel][window.used[channel]])
-        ),
+        motion_percent=motion_floor(step.fit),
         chi2=1.0,
     )
 
@@ -234,6 +232,8 @@ def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> Kep
         model=model_file(step.stated, expressions),
         error=Errors.model_validate(step.error),
         chi2_std=step.error.floor_std,
+        floor_percent=motion_floor(step.fit),
+        reached=step.at_floor,
         nuisances={name: found.value for name, found in step.fit.nuisances.items()},
         begun_with=begun_with,
     )
@@ -263,4 +263,5 @@ def _added(step: Step, name: str, before: Step) -> str:
 def _manual(step: Step, done: str) -> str:
     if step.at_floor:
         return f"{done}; the noise floor is reached"
-    return f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}"
+    left = residual_words(step.error.motion_percent, step.error.chi_square, step.error.floor_std)
+    return f"{done}; the model leaves {left}"

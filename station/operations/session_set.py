@@ -62,7 +62,7 @@ def open_sessions(
 
     ready, left_out = of_each(sessions, prepared)
     if not ready:
-        raise NotIdentifiable("; ".join(f"{name}: {why}" for name, why in left_out.items()))
+        raise NotIdentifiable("; ".join(by_reason(left_out)))
     if several and len(ready) == 1:  # alone after all, by the rule for one
         ready = [(ready[0][0], prepared(ready[0][0], beside_others=False))]
     sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
@@ -87,6 +87,14 @@ def of_each(
         except NotIdentifiable as refusal:
             left_out[session.folder.name] = str(refusal).removeprefix(f"{session.folder.name}: ")
     return done, left_out
+
+
+def by_reason(left_out: dict[str, str]) -> list[str]:
+    """Write each reason once, after the names of all that were left out for it: "a, b: too short"."""
+    names: dict[str, list[str]] = {}
+    for name, why in left_out.items():
+        names.setdefault(why, []).append(name)
+    return [f"{', '.join(found)}: {why}" for why, found in names.items()]
 
 
 def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, ...]:

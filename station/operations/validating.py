@@ -15,7 +15,7 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
-from station.operations.session_set import declared, of_each, opened_once
+from station.operations.session_set import by_reason, declared, of_each, opened_once
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import write_document
@@ -136,14 +136,12 @@ def _prepared(
         return decay
 
     ready, skipped = of_each(opened, prepared)
-    for name, why in skipped.items():
-        progress(f"{name} is skipped: {why}")
     if not ready and set(skipped.values()) == {OWN}:
         raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
     if not ready:
-        raise NotIdentifiable(
-            f"no session can be predicted: {'; '.join(f'{n}: {r}' for n, r in skipped.items())}"
-        )
+        raise NotIdentifiable(f"no session can be predicted: {'; '.join(by_reason(skipped))}")
+    for reason in by_reason(skipped):
+        progress(f"skipped: {reason}")
     return ready, skipped
 
 

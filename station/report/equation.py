@@ -10,7 +10,7 @@ from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence
-from station.text.numbers import typeset, typeset_unit
+from station.text.numbers import per_mass, typeset, typeset_unit
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
 FAR = 4.0
@@ -36,8 +36,8 @@ def equation(found: Findings) -> list[Part]:
         Equation((letters, _numbers(fit, right))),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
-            f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
-            f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}."
+            f"{compared.comparison.unit} and {compared.comparison.unit}/s; all "
+            f"{per_mass(compared.comparison.unit, 'forces per unit mass')}."
         ),
         _parameters(fit),
     ]
@@ -79,7 +79,7 @@ def _numbers(fit: Fit, right: str) -> str:
 
 def _typeset_equation(text: str) -> str:
     raised = re.sub(r"mu_(\d)", lambda found: typeset(found.group(0)), typeset(text))
-    return raised.replace("u''", "ü", 1)
+    return raised.replace("u''", "ü", 1).replace("+ -", "− ")
 
 
 def _parameters(fit: Fit) -> Table:
@@ -89,6 +89,7 @@ def _parameters(fit: Fit) -> Table:
         for name, value in fit.of(term, 0).items():
             unit = typeset_unit(value.unit) or "1"
             number = with_error(value.value, value.std)
-            rows.append((term.effect.name, typeset(name), meanings[name], number, unit))
+            meaning = per_mass(fit.windows[0].unit, meanings[name])
+            rows.append((term.effect.name, typeset(name), meaning, number, unit))
     head = ("effect", "parameter", "meaning", "value", "unit")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)

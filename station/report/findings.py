@@ -59,8 +59,9 @@ def gather(
     """
     found = Findings(session, session.recording(), kept_options(session, settings, mass))
     with _or_say_why(found, "identification", NotIdentifiable):
-        found.identification, _ = identify_session(session, found.options)
+        found.identification, _ = identify_session(session, found.options, progress)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
+        progress("comparing the current model")
         found.compared, _ = compare_session(session, settings, mass=mass)
     if diagnose:
         with _or_say_why(found, "suspects", NotIdentifiable):

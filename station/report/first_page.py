@@ -3,7 +3,7 @@
 from datetime import UTC
 
 from identify.fitting.fit import Fit
-from identify.formatting import DASH, decimals_for, plain_name, three_figures, with_error
+from identify.formatting import DASH, among, decimals_for, plain_name, three_figures, with_error
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.budget import budget, calibration_of
@@ -85,9 +85,8 @@ def _explaining(found: Findings) -> tuple[Fit, str] | None:
     if adequate is not None and adequate.doubt:
         return None
     if current is not None and current.judged.at_floor:
-        judged, error = current.judged, current.error
-        left = residual_words(error.motion_percent, error.chi_square)
-        return _explained(current.words, judged.stated(judged.fit), left)
+        judged = current.judged
+        return _explained(current.words, judged.stated(judged.fit), current.left)
     if adequate is not None and adequate.adequate:
         left = residual_words(adequate.motion_percent, adequate.chi_square)
         return _explained("the identified model", adequate.fit, left)
@@ -109,14 +108,9 @@ def _nothing_explains(found: Findings) -> str:
     if current is None:
         reason = found.identification.refusals.get("adequacy", "no model was fitted to this record")
         return f"no value may be quoted: {judgement(own) if own is not None else reason}"
-    left = residual_words(current.error.motion_percent, current.error.chi_square)
-    words = f"no value may be quoted: {current.words} leaves {left}"
-    if (
-        diagnosis is not None
-        and diagnosis.named
-        and not set(diagnosis.named) <= set(current.baseline.fit.model.names)
-    ):
-        named = " and ".join(plain_name(name) for name in diagnosis.named)
+    words = f"no value may be quoted: {current.words} leaves {current.left}"
+    if diagnosis is not None and diagnosis.named and diagnosis.is_of(current.baseline.fit.model.names):
+        named = among([plain_name(name) for name in diagnosis.named])
         return f"{words}. The missing effect is {named}: add it, and write the report again"
     return words
 

@@ -9,7 +9,7 @@ from station.story.compared import Compared
 from station.story.preparation import length_unit
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts
-from station.text.numbers import typeset, with_unit
+from station.text.numbers import per_mass, typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.palette import PAPER, Look
 
@@ -43,6 +43,8 @@ def suspects(found: Findings) -> list[Part]:
         return []
     words = diagnosis_text.told(document, full=True)
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=words.headline, strong=True)]
+    if found.compared is not None and not document.is_of(found.compared.baseline.fit.model.names):
+        parts.insert(0, Paragraph(f"This is the diagnosis of {document.model_is}, not of the current one."))
     parts += words.brief
     meant = tuple(
         (s.effect, s.title, diagnosis_text.parameters(s)) for s in diagnosis_text.shown_suspects(document)
@@ -119,12 +121,10 @@ def methods(found: Findings) -> list[Part]:
         return [*why]
     words = Paragraph(identification_text.told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit
-    offset = (
-        "" if force is None else f"{force.source}; constant force per unit mass {with_unit(force.offset)}"
-    )
+    offset = "" if force is None else f"{force.source}; constant {per_mass(length)} {with_unit(force.offset)}"
     parts: list[Part] = [
         words,
-        identification_text.methods_table(result),
+        identification_text.methods_table(result, full=True),
         *why,
         *facts([("force from", offset)]),
     ]

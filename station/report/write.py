@@ -60,6 +60,7 @@ def write_report(
     """
     chosen = settings or Settings()
     found = gather(session, chosen, mass, diagnose=diagnose, progress=progress)
+    progress("drawing the page")
     page = rendered(found).encode()
     if output is None:
         return Report(session.write_result(NAME, page), found.left_out)

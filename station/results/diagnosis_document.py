@@ -1,5 +1,6 @@
 """A diagnosis as a document: what `--json` prints and `results/diagnosis.json` keeps; one writer and one reader."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -82,6 +83,16 @@ class DiagnosisDocument(Document):
     left_out: dict[str, str] = Field(default_factory=dict)
     model_is: str = "the usual model"
     model_remark: str = ""
+
+    @property
+    def by_prediction(self) -> bool:
+        """Whether predictions speak for what is named; elsewhere the whole motion named it, against them."""
+        against = any(one.confirmed is False for one in self.suspects if one.effect in self.named)
+        return self.confirmation is not None and not against
+
+    def is_of(self, effects: Sequence[str]) -> bool:
+        """Whether this is the diagnosis of the model with these effects."""
+        return set(self.model.effects) == set(effects)
 
 
 def diagnosis_document(

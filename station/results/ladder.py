@@ -7,7 +7,7 @@ from pydantic import Field
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
-from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
+from station.results.documents import Document, Errors, Number, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value
 from station.story.residual import reaches_floor
 
@@ -19,8 +19,9 @@ REMEDY = "begin again with --reset"
 class KeptStep(Part):
     """One step: what was added or removed, the model with its values, and its errors.
 
-    `nuisances` are the release's own values (state at the start, lag, gain, offsets), from which the same fit is
-    found again at once. `begun_with` says which model it is that the ladder began with; "" above that step.
+    `floor_percent` is what noise alone leaves of the motion, `reached` whether the model leaves no more. `nuisances` are the
+    release's own values (state at the start, lag, gain, offsets), from which the same fit is found again at once.
+    `begun_with` says which model it is that the ladder began with; "" above that step.
     """
 
     added: str = ""
@@ -28,6 +29,8 @@ class KeptStep(Part):
     model: ModelFile
     error: Errors
     chi2_std: float
+    floor_percent: Number = None
+    reached: bool | None = None
     nuisances: dict[str, float]
     begun_with: str = ""
 
@@ -49,7 +52,7 @@ class KeptStep(Part):
     @property
     def at_floor(self) -> bool:
         """Whether the model leaves no more than noise does."""
-        return reaches_floor(self.error.chi2, self.chi2_std)
+        return reaches_floor(self.error.chi2, self.chi2_std) if self.reached is None else self.reached
 
     @property
     def parameters(self) -> dict[str, Value]:
@@ -75,6 +78,12 @@ class KeptLadder(Document):
     def top(self) -> KeptStep:
         """The present step."""
         return self.steps[self.present]
+
+    @property
+    def noise(self) -> Errors:
+        """What noise alone leaves beside the present step."""
+        known = self.top.floor_percent
+        return self.floor if known is None else self.floor.model_copy(update={"motion_percent": known})
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some fields replaced."""
@@ -121,7 +130,7 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
             }
             for step in steps
         ],
-        "floor": ladder.floor.model_dump(),
+        "floor": ladder.noise.model_dump(),
         "stopped_because": ladder.stopped_because,
         "verdict": ladder.verdict,
         "steps_above": len(ladder.steps) - len(steps),

@@ -29,6 +29,7 @@ from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
 
 MOST_RELEASES = 100
+NO_RELEASE = "no release found"
 FEWEST_SAMPLES = 32
 
 
@@ -39,6 +40,11 @@ class Imported:
     sessions: tuple[Session, ...]
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
+
+    @property
+    def released(self) -> bool:
+        """Whether a release was found in the first session."""
+        return not any(note.startswith(NO_RELEASE) for note in self.notes)
 
 
 def open_session(argument: str, sessions: Path, info: SessionInfo | None = None) -> Session:
@@ -183,7 +189,7 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
     try:
         releases = find_releases(decay)
     except NotIdentifiable as refusal:
-        return [recording], (f"no release found: {refusal}",)
+        return [recording], (f"{NO_RELEASE}: {refusal}",)
     if len(releases) < 2:
         return ([recording], ()) if whole else _from_release(recording, decay, releases[0])
     if len(releases) > MOST_RELEASES:

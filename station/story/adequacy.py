@@ -127,7 +127,8 @@ def sigmas_apart(first: Estimate, other: Estimate) -> float:
 
 def judgement(found: Adequacy) -> str:
     """Say whether the values may be quoted."""
-    left = residual_words(found.motion_percent, found.chi_square)
+    above = None if found.adequate else found.chi_square_std
+    left = residual_words(found.motion_percent, found.chi_square, above)
     words = f"the identified model leaves {left} (noise alone: {floor_words(found.chi_square_std)})"
     if found.quotable:
         return f"{words}: its values may be quoted"

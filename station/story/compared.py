@@ -6,6 +6,7 @@ import numpy as np
 
 from identify.comparison.compare import Comparison
 from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from station.story.residual import residual_words
 
@@ -37,6 +38,12 @@ class Compared:
         return len(self.judged.decays)
 
     @property
+    def left(self) -> str:
+        """What the model leaves, in words."""
+        above = None if self.judged.at_floor else self.error.floor_std
+        return residual_words(self.error.motion_percent, self.error.chi_square, above)
+
+    @property
     def one_run(self) -> str:
         """The residual of a long record simulated in one piece, and why it is larger; "" for a short record."""
         if self.pieces < 2:
@@ -51,9 +58,17 @@ class Compared:
     @property
     def motion_floor(self) -> float:
         """The residual of noise alone, in % of the rms of the motion."""
-        channel, shares = self.comparison.motion_channel, []
-        for window in self.judged.fit.windows:
-            used = window.used[channel]
-            rms = float(np.std(window.readings[channel][used]))
-            shares.append(window.sigma[channel] / rms if rms > 0 else float("nan"))
-        return 100.0 * float(np.sqrt(np.mean(np.square(shares))))
+        return motion_floor(self.judged.fit)
+
+
+def motion_floor(fit: Fit) -> float:
+    """Return what noise alone leaves of the motion, in % of its rms; of coloured noise as much as in this residual."""
+    shares = []
+    for i, window in enumerate(fit.windows):
+        channel = window.channels[0]
+        used, power = window.used[channel], window.sigma[channel] ** 2
+        if channel in window.colour:
+            left, in_noise = fit.residual(channel, i)[used], fit.in_noise(channel, i)[used]
+            power = float(np.sum(left**2) / np.sum(in_noise**2))
+        shares.append(power / np.var(window.readings[channel][used]))
+    return 100.0 * float(np.sqrt(np.mean(shares)))

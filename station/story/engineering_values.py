@@ -73,9 +73,12 @@ class Weighing:
     unit: str = "m"
 
     def strength(self, effect: str, parameters: Mapping[str, Any]) -> tuple[str, Estimate] | None:
-        """Find a force's strength, its first parameter, with the mass in it; None for what is no force of the library."""
+        """Find a force's strength, its first parameter, with the mass in it; None for what is no force of the library.
+
+        What changes a parameter of another effect is relative to that, and has no mass in it.
+        """
         name, found = next(iter(parameters.items()), ("", None))
-        known = any(e.name == effect and e.kind == "physics" for e in LIBRARY)
+        known = any(e.name == effect and not getattr(e, "shared_parameters", True) for e in LIBRARY)
         if self.mass is None or not known or found is None or found.value is None:
             return None
         error = math.nan if found.std is None else found.std
@@ -102,7 +105,8 @@ def engineering_values(
         name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
         if part is None:
             name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
-        whole = None if mass is None else times_mass(value, mass, mass_std, unit)
+        relative = bool(term.force.shared_parameters)
+        whole = None if mass is None or relative else times_mass(value, mass, mass_std, unit)
         found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}

@@ -18,10 +18,17 @@ def times(chi2: float | None) -> str:
     return three_figures(noise_multiple(chi2))
 
 
-def residual_words(motion_percent: float | None, chi2: float | None) -> str:
-    """Return "0.916 % of the motion, 15.1 times the noise"."""
-    motion = three_figures(nan if motion_percent is None else motion_percent)
-    return f"{motion} % of the motion, {times(chi2)} times the noise"
+def residual_words(motion_percent: float | None, chi2: float | None, above: float | None = None) -> str:
+    """Return "0.916 % of the motion, 15.1 times the noise"; of a run that diverged, that it does not follow the motion.
+
+    `above` is the standard error of a floor that is not reached: a residual as small as noise then repeats with the motion.
+    """
+    percent = nan if motion_percent is None else motion_percent
+    if not isfinite(percent) and not isfinite(noise_multiple(chi2)):
+        return "the whole motion, which it does not follow at all"
+    small = above is not None and reaches_floor(chi2, above)
+    more = ", but it repeats with the motion, as noise does not" if small else ""
+    return f"{three_figures(percent)} % of the motion, {times(chi2)} times the noise{more}"
 
 
 def floor_words(chi2_std: float | None) -> str:

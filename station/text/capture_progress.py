@@ -13,8 +13,9 @@ from rich.text import Text
 from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
+from station.plain_letters import writable
 from station.safe_text import SafeConsole
-from station.text.numbers import scale_as_recorded
+from station.text.numbers import scale_as_recorded, typeset, typeset_unit
 
 BAR = 28
 REFRESH_HZ = 8
@@ -86,7 +87,7 @@ class Watch(CaptureObserver):
         self._line(f"lost {gap.count} samples from number {gap.first} on: {gap.reason}")
 
     def _line(self, text: str) -> None:
-        self._console.print(Text(text), soft_wrap=True)
+        self._console.print(Text(writable(typeset(text))), soft_wrap=True)
 
     def _levels(self) -> Table:
         table = Table.grid(padding=(0, 2))
@@ -96,6 +97,6 @@ class Watch(CaptureObserver):
             table.add_row(
                 channel.name,
                 Bar(2.0, 1.0 + min(share, 0.0), 1.0 + max(share, 0.0), width=BAR, color="cyan"),
-                f"{value * factor:10.3f} {unit}",
+                f"{value * factor:10.3f} {typeset_unit(unit)}",
             )
         return table

@@ -5,7 +5,7 @@ import numpy as np
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled, three_figures
 from station.story.compared import Compared
-from station.story.residual import floor_words, residual_words, times
+from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import scale, typeset
@@ -36,9 +36,8 @@ def told(compared: Compared) -> Told:
         ("noise", floor_text(compared)),
         ("harmonics", harmonics_text(compared)),
     ]
-    left = residual_words(error.motion_percent, error.chi_square)
     return Told(
-        sentence(f"{compared.words} leaves {left}"),
+        sentence(f"{compared.words} leaves {compared.left}"),
         "good" if compared.judged.at_floor else "bad",
         facts(rows),
         (*facts(more), errors(compared)),

@@ -64,7 +64,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
     `full` adds the reason for which each is a suspect, and chi-square.
     """
     error, named, floor = document.error, document.error_with_named, document.noise_floor
-    predicted = document.confirmation is not None
+    predicted = document.by_prediction
     reason = ["predicts"] if predicted else ["explains"] * full
     rows = [("", document.model_is, error.motion_percent, error.chi2, "")]
     if named is not None and len(document.named) > 1:
@@ -117,7 +117,7 @@ def confirmed_by(document: DiagnosisDocument) -> str:
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
     """Make the table of the errors of prediction on each part that was left out; none where that was not asked."""
     found = document.confirmation
-    if found is None or found.driven:
+    if found is None or found.driven or not document.by_prediction:
         return ()
     whole = "all but the large amplitudes" if found.one_record else "all, rms"
     each = zip(found.usual.by_part, found.found.by_part, strict=True)
@@ -249,7 +249,7 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
         size = f"{three_figures(factor * (at.amplitude or 0.0))} {unit}"
         head = (
             f"at {size},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
-            "of all but\nspring, %", "of the loss\n%", "frequency\nraised by %",
+            "of all but\nspring, %", "of the loss\n%", "frequency\nchanged by, %",
         )  # fmt: skip
         found.append(Table("", head, rows))
     return tuple(found)
@@ -267,17 +267,16 @@ def _cell(found: EstimateDocument) -> str:
         return f"{value:.{most}f}"
     decimals = min(max(-math.floor(math.log10(std)), 0) if std > 0.0 else most, most)
     up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals
-    return f"{value:.{decimals}f} ± {up:.{decimals}f}"
+    return f"{value:z.{decimals}f} ± {up:.{decimals}f}"
 
 
 def next_command(document: DiagnosisDocument, folders: list[Path]) -> tuple[str | Path, ...]:
     """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
     if document.named and document.verdict in ("missing_effect", "sensor_fault"):
-        return ("refine", folders[0], "--add", document.named[0])
-    if document.verdict == "unknown_effect" and document.shape is not None and document.shape.coordinates:
+        return ("refine", folders[0], *(word for name in document.named for word in ("--add", name)))
+    shaped = document.shape is not None and document.shape.coordinates
+    if document.verdict == "unknown_effect" and shaped and MEASURED_CURVE not in document.model.effects:
         return ("refine", folders[0], "--add", MEASURED_CURVE)
     if document.verdict == "nothing_missing":
         return ("report", folders[0])
-    if document.of_sessions:
-        return ("diagnose", folders[0])
     return () if document.verdict == "not_enough_data" else ("diagnose", *folders, "ANOTHER_RELEASE")

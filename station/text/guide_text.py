@@ -15,7 +15,7 @@ from station.text.capture_progress import Watch
 from station.text.content import Told, Tone, facts
 from station.text.diagnosis_text import headline, tone_of
 from station.text.layout import STYLES, labelled, show
-from station.text.numbers import typeset
+from station.text.numbers import odds_words, typeset
 
 BAR, NAME, SHOWN = 24, 27, 5
 ENDINGS: dict[State, tuple[str, Tone]] = {
@@ -73,9 +73,9 @@ def gave(turn: TurnDocument) -> str:
     """Say what evidence a release gave between two hypotheses, beside what was expected of it; "" where none was."""
     if turn.gave_nats is None or turn.expected_nats is None:
         return ""
-    one, other = turn.between
-    nats = f"{turn.gave_nats:.0f}".replace("-", "−")
-    return f"{nats} nats for {one} against {other}; about {turn.expected_nats:.0f} were expected"
+    one, other = turn.between if turn.gave_nats >= 0.0 else reversed(turn.between)
+    expected = f"{odds_words(turn.expected_nats)} for {turn.between[0]} expected"
+    return f"odds of {odds_words(abs(turn.gave_nats))} for {one} against {other}; {expected}"
 
 
 def to_do(told: Guidance) -> str:

@@ -19,14 +19,14 @@ METHODS = (("wavelet", "wavelet"), ("restoring_force", "force"))
 TONES: dict[bool | None, Tone] = {True: "good", False: "bad", None: "unsure"}
 
 
-def told(name: str, result: Identification) -> Told:
-    """Tell one identification."""
+def told(name: str, result: Identification, *, full: bool = False) -> Told:
+    """Tell one identification; `full` adds what each method leaves by its own measure."""
     found, tone = result.adequacy, TONES[None if result.adequacy is None else result.adequacy.quotable]
     reason = result.refusals.get("adequacy", "")
     words = f"{reason} Do not quote its values." if reason else "Nothing was identified."
     if found is not None:
         words = sentence(judgement(found))
-    table = (methods_table(result),) if result.wavelet or result.restoring_force else ()
+    table = (methods_table(result, full=full),) if result.wavelet or result.restoring_force else ()
     return Told(f"{name}: {words}", tone, (*facts(_facts(result)), *table, *facts(reasons(result))))
 
 
@@ -76,8 +76,11 @@ def lag_words(result: Identification) -> str:
     return f"displacement {late} by {lag} µs, corrected; gain of the acceleration against it {gain}{caution}"
 
 
-def methods_table(result: Identification) -> Table:
-    """Put both methods side by side: each parameter with its error, and by how many joint standard errors they differ."""
+def methods_table(result: Identification, *, full: bool = False) -> Table:
+    """Put both methods side by side: each parameter with its error, and by how many joint standard errors they differ.
+
+    `full` adds the mean square that each leaves of what it fits, its envelope or its force, which no other residual is.
+    """
     both = (result.wavelet, result.restoring_force)
     rows = [_row("stiffness K", [None if method is None else method.stiffness for method in both])]
     most = max((len(method.damping) for method in both if method is not None), default=0)
@@ -96,8 +99,9 @@ def methods_table(result: Identification) -> Table:
     if force is not None and force.mass is not None:
         rows.append(_row("mass, by the force", [None, force.mass]))
     rows.append(("damping order", "", *(DASH if m is None else str(m.order) for m in both), ""))
-    left = (DASH if m is None else three_figures(m.mse_percent_by_order[m.order]) for m in both)
-    rows.append(("residual, mean square", "%", *left, ""))
+    if full:
+        left = (DASH if m is None else three_figures(m.mse_percent_by_order[m.order]) for m in both)
+        rows.append(("own residual, mean square", "%", *left, ""))
     doubt = result.adequacy is None or not result.adequacy.quotable
     heads = ("wavelet", "restoring force")
     head = ("do not quote" if doubt else "", "unit", *heads, "apart, σ")

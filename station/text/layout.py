@@ -71,21 +71,29 @@ def show_parts(console: Console, parts: Iterable[Part]) -> None:
             case Table():
                 if part.caption:
                     console.print(Text(f" {part.caption}", style="bold"))
-                console.print(Padding(grid(part), (0, 0, 0, 1)))
+                console.print(Padding(grid(part, console.width - 1), (0, 0, 0, 1)))
 
 
-def grid(table: Table) -> Grid:
-    """Set a table in columns."""
+def grid(table: Table, width: int) -> Grid:
+    """Set a table in columns; words are folded at blanks, and numbers only where the longest words leave them no room."""
     made = Grid(
         box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold", show_header=any(table.head)
     )
-    for place, name in enumerate(table.head):
+    columns = []
+    for place, cells in enumerate(zip(table.head, *table.rows, strict=True)):
         words = place < table.texts or (table.wordy and place == len(table.head) - 1)
+        parts = [
+            part for cell in cells for part in (_plain(cell).split() if words else _plain(cell).splitlines())
+        ]
+        columns.append((words, max(map(len, parts), default=0)))
+    room = width - 2 * (len(columns) - 1) >= sum(least for _, least in columns)
+    for name, (words, least) in zip(table.head, columns, strict=True):
         made.add_column(
             Text(_plain(name)),
             justify="left" if words else "right",
             overflow="fold",
-            no_wrap=not words,
+            no_wrap=room and not words,
+            min_width=least if words else None,
         )
     for mark, row in table.marked:
         made.add_row(*(Text(_plain(cell), style=MARKS.get(mark, "")) for cell in row))

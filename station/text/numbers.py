@@ -33,6 +33,12 @@ def probability(p: float | None) -> str:
     return "<1e-6" if p < 1e-6 else f"{p:.0e}".replace("e-0", "e-") if p < 0.01 else f"{p:.2f}"
 
 
+def odds_words(nats: float) -> str:
+    """Write evidence as odds: "25 to 1", "10⁷ to 1"."""
+    digits = nats / math.log(10.0)
+    return f"{math.exp(nats):.0f} to 1" if digits < 3.0 else f"10{str(round(digits)).translate(_RAISED)} to 1"
+
+
 def change(before: float | None, after: float | None) -> str:
     """Say by how much something fell or rose, as a factor or in %."""
     if not before or not after:
@@ -78,6 +84,11 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     """Return the factor on an energy per unit mass to the unit in which it is shown, and that unit: mJ, mJ/kg ..."""
     fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") else (1.0, "")
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
+
+
+def per_mass(unit: str, words: str = "force per unit mass") -> str:
+    """Write words of forces and masses as those of torques and inertias where the displacement is an angle."""
+    return words.replace("force", "torque").replace("mass", "inertia") if unit.startswith("rad") else words
 
 
 # Typeset: raised powers, Greek letters, powers of ten.

@@ -13,7 +13,7 @@ from identify.diagnosis.force_map import ForceMap
 from identify.formatting import plain_name
 from station.results.diagnosis_parts import CurveDocument
 from station.story.measured_curves import MeasuredCurve
-from station.text.numbers import scale, scale_as_recorded
+from station.text.numbers import per_mass, scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal
 from station.views.palette import PAPER, Look
 
@@ -57,7 +57,7 @@ def shape(curve: CurveDocument) -> Picture:
     )
     drawn, axis = _along(position, force, std, curve.unit, PAPER)
     axis.set_xlabel(literal(f"{curve.coordinate} {axis.get_xlabel()}"))
-    axis.set_ylabel("missing force per unit mass\n(band: 2 std. errors)")
+    axis.set_ylabel(f"missing {per_mass(curve.unit)}\n(band: 2 std. errors)")
     return drawn
 
 

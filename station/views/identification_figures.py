@@ -12,7 +12,7 @@ from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
-from station.text.numbers import scale, scale_as_recorded
+from station.text.numbers import per_mass, scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
@@ -166,7 +166,7 @@ def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Pi
         axis.plot(x, cut.fit, color=look.model, lw=1.4, label="fit")
         zero_lines(axis, look)
         axis.set(xlabel=literal(label), title=title)
-    axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
+    axes[0].set_ylabel(literal(f"{per_mass(length)} [{length}/s²]"))
     axes[0].legend(loc="upper left")
     return drawn
 

@@ -13,6 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.results.diagnosis_pictures import MOST, force_maps
+from station.text.numbers import per_mass
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER
@@ -56,7 +57,7 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
     axes[1].plot(motion.displacement, prepared.restoring, ".", color=MEASURED, markersize=1.5)
     axes[1].set(
-        xlabel=literal(f"displacement [{unit}]"), ylabel=literal(f"restoring force per unit mass [{unit}/s²]")
+        xlabel=literal(f"displacement [{unit}]"), ylabel=literal(f"restoring {per_mass(unit)} [{unit}/s²]")
     )
     return picture
 

@@ -6,7 +6,7 @@ import rerun.blueprint as rrb
 
 from identify.restoring_force.restoring_force import RestoringForceResult
 from station.story.identification import Identification
-from station.text.numbers import scale
+from station.text.numbers import per_mass, scale
 from station.views import identification_figures as figures
 from station.views import log, palette
 from station.views.palette import Look
@@ -58,7 +58,7 @@ def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, lengt
     names = [
         f"displacement ± {reach[0] * factor:g} {unit}",
         f"velocity ± {reach[1]:g} {length}/s",
-        f"force per unit mass ± {reach[2]:g} {length}/s²",
+        f"{per_mass(length)} ± {reach[2]:g} {length}/s²",
     ]
     for part, drawn in (
         (

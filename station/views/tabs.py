@@ -9,7 +9,7 @@ from station.story.identification import Identification
 from station.text.content import markdown
 from station.text.identification_text import lag_words, told, uncorrected
 from station.text.layout import sentence
-from station.text.numbers import scale
+from station.text.numbers import per_mass, scale
 from station.views import identification_figures as figures
 from station.views import log, palette
 from station.views.overlay import alignment as picture_of_lag
@@ -134,7 +134,7 @@ def results(stream: rr.RecordingStream, look: Look, name: str, result: Identific
     if force is not None:
         unit = (1.0, f"{length}/s^2")
         pair = (force.force, force.force_fit)
-        views += _rebuilt(stream, "force per unit mass", force.time, pair, (unit, unit), palette.FORCE)
+        views += _rebuilt(stream, per_mass(length), force.time, pair, (unit, unit), palette.FORCE)
     words = f"**{found.headline}**\n\n{markdown(found.brief)}"
     text = log.markdown(stream, "Both methods", "/results/table", words)
     if not views:

@@ -1,10 +1,18 @@
 """The comparison says where a model fails; the truth comes from the simulated testbed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from comparing import compared, fitted
 
 from identify.comparison.compare import compare_fitted
+from identify.comparison.compare_cycles import compare_cycles
+from identify.comparison.discrepancies import find_discrepancies
+from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.comparison.multiple_shooting import shoot
+from identify.diagnosis.ladder import add_effect, step_of
+from identify.effects.library import find_effect
 from mocks.generate import draw
 
 NOISE_ONLY = range(40, 50)
@@ -158,3 +166,31 @@ def test_arrays_are_read_only():
     for array in (found.phase_plane.force, found.cycles.covariance):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
+
+
+def test_where_a_force_does_nothing_the_errors_are_as_large_as_the_spring_and_the_energy():
+    baseline, _ = fitted("cubic_stiffness", 0.01, 3)
+    shooting = shoot(baseline.decays[0], baseline.fit)
+    still = {name: getattr(shooting, name).copy() for name in ("displacement", "velocity")}
+    for values in still.values():
+        values[shooting.segments[-1].begin :] = 0.0
+    cycles = compare_cycles(replace(shooting, **still))
+    assert cycles.frequency_error_std[-1] == pytest.approx(50.0)
+    assert cycles.energy_error_std[-1] > 10.0 * np.max(cycles.energy_error_std[:-1])
+
+
+def test_a_covariance_without_an_inverse_is_no_crash():
+    found = compared("cubic_stiffness", 0.01, 3)
+    std = np.concatenate([found.cycles.frequency_error_std, found.cycles.energy_error_std])
+    cycles = replace(found.cycles, covariance=np.outer(std, std))
+    places = find_discrepancies(found.phase_plane, cycles, None, DiscrepancyText(), (1.0, 1.0))
+    assert all(np.isfinite(place.significance) for place in places)
+
+
+def test_a_fault_that_the_model_has_is_no_contradiction_of_the_channels():
+    baseline, _ = fitted("clipping", 0.01, faulty("clipping", "acceleration"))
+    assert "contradict" in compare_fitted(baseline).cause
+    found = compare_fitted(add_effect(step_of(baseline), find_effect("clipping")).baseline)
+    assert found.at_floor
+    assert "once a sensor's fault is corrected" in found.cause
+    assert found.places == ()

@@ -26,7 +26,8 @@ from station.story.adequacy import (
     recording_doubt,
     scale_doubt,
 )
-from station.story.engineering_values import engineering_values, times_mass
+from station.story.engineering_values import Weighing, engineering_values, times_mass
+from station.story.residual import residual_words
 
 MASS = 21.36
 
@@ -186,3 +187,20 @@ def test_identify_says_first_whether_to_quote_and_where_to_look_next(tmp_path, m
     assert ", per unit mass" in text
     assert text.rstrip().endswith("next: station compare sessions/a_b")
     assert all(len(line) <= 80 for line in text.splitlines())
+
+
+def test_what_is_relative_to_another_effect_has_no_mass_in_it():
+    weighing = Weighing(2.0)
+    assert weighing.strength("time_varying_stiffness", {"rate": Estimate(0.03, 0.001, "1/s")}) is None
+    name, whole = weighing.strength("viscous_damping", {"mu_1": Estimate(0.03, 0.001, "1/s")})
+    assert (name, whole.value, whole.unit) == ("mu_1", 0.06, "N s/m")
+
+
+def test_a_run_that_diverges_and_a_small_residual_that_repeats_are_said_so():
+    assert residual_words(None, math.inf) == "the whole motion, which it does not follow at all"
+    assert residual_words(2.5, 0.9, 0.03).endswith(", but it repeats with the motion, as noise does not")
+    assert (
+        residual_words(2.5, 1.9, 0.03)
+        == residual_words(2.5, 1.9)
+        == "2.50 % of the motion, 1.38 times the noise"
+    )

@@ -3,6 +3,7 @@
 import io
 import re
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,7 +19,8 @@ from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
-from station.text.diagnosis_text import confirmed_by, predictions, told
+from station.results.diagnosis_parts import ShapeDocument
+from station.text.diagnosis_text import confirmed_by, next_command, predictions, residuals, told
 from station.text.layout import show
 
 NAMES = ("first", "second", "third")
@@ -176,7 +178,9 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
 
 def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
-    parts = suspects(SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, left_out={}))
+    parts = suspects(
+        SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, compared=None, left_out={})
+    )
     table = next(p for p in parts if p.kind == "table" and p.head[0] == "left out")
     assert table.rows[0] == ("first", "5.00 to 1.00", "4.00 to 1.00", "3.00 to 0.00")
     assert table.rows[-1][0] == "all, rms"
@@ -197,3 +201,34 @@ def test_what_is_not_distinguishable_is_named_together_with_what_would_tell():
 def test_a_confirmed_effect_has_its_evidence():
     (effect,) = confirmation_document(confirmation(), NAMES).effects
     assert (effect.nats, effect.rivals) == (12.5, ["cubic_damping"])
+
+
+def test_what_the_whole_motion_names_against_the_predictions_has_no_row_that_says_no():
+    named = document(confirmation())
+    other = named.model_copy(update={"named": [named.suspects[-1].effect], "confirmed": []})
+    assert named.by_prediction
+    assert named.suspects[-1].confirmed is False
+    assert not other.by_prediction
+    assert "predicts" not in residuals(other).head
+    assert predictions(other) == ()
+
+
+def test_what_comes_next_adds_all_that_is_named_and_a_measured_curve_once():
+    folder = Path("one")
+    two = document(confirmation()).model_copy(update={"named": ["dahl_friction", "quadratic_damping"]})
+    assert next_command(two, [folder]) == (
+        "refine",
+        folder,
+        "--add",
+        "dahl_friction",
+        "--add",
+        "quadratic_damping",
+    )
+    shape = ShapeDocument(explained=1.0, coordinates=["displacement"], curves=[])
+    rest = two.model_copy(update={"named": [], "verdict": "unknown_effect", "shape": shape})
+    assert next_command(rest, [folder])[-1] == "measured_curve"
+    effects = [*rest.model.effects, "measured_curve"]
+    again = rest.model_copy(update={"model": rest.model.model_copy(update={"effects": effects})})
+    assert next_command(again, [folder]) == ("diagnose", folder, "ANOTHER_RELEASE")
+    assert again.is_of(effects)
+    assert not rest.is_of(effects)

@@ -9,7 +9,7 @@ from mocks.generate import draw
 from station.cli import run as station
 from station.exits import UsageProblem
 from station.operations.diagnosing import check_same_bench, diagnose_sessions
-from station.operations.session_set import open_sessions
+from station.operations.session_set import by_reason, open_sessions
 from station.settings import Settings
 
 STIFFNESS = 613.6
@@ -84,3 +84,10 @@ def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys
     with pytest.raises(UsageProblem, match="--anyway"):
         check_same_bench(both, False, lambda text: None)
     check_same_bench(both, True, lambda text: None)
+
+
+def test_a_reason_that_many_sessions_share_is_said_once():
+    assert by_reason({"a": "too short", "b": "no release", "c": "too short"}) == [
+        "a, c: too short",
+        "b: no release",
+    ]

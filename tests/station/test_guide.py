@@ -56,9 +56,11 @@ def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
         session="release_2", asked="", amplitude=0.025, unit="m", between=["end stop", "freeplay"]
     )
     words = gave(turn.model_copy(update={"expected_nats": 40.2, "gave_nats": 37.0}))
-    assert words == "37 nats for end stop against freeplay; about 40 were expected"
+    assert words == "odds of 10¹⁶ to 1 for end stop against freeplay; 10¹⁷ to 1 for end stop expected"
     assert gave(turn.model_copy(update={"expected_nats": None, "gave_nats": None})) == ""
-    assert gave(turn.model_copy(update={"expected_nats": 51.0, "gave_nats": -1.2})).startswith("−1 nats")
+    assert gave(turn.model_copy(update={"expected_nats": 51.0, "gave_nats": -1.2})).startswith(
+        "odds of 3 to 1 for freeplay against end stop"
+    )
 
 
 def test_a_rejected_recording_is_taken_again_and_at_last_given_up():

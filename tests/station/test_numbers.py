@@ -5,7 +5,16 @@ import pytest
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
 from identify.formatting import SPACE, three_figures, with_error
-from station.text.numbers import energy_scale, noise_scale, scale, scale_as_recorded, typeset, with_unit
+from station.text.numbers import (
+    energy_scale,
+    noise_scale,
+    odds_words,
+    per_mass,
+    scale,
+    scale_as_recorded,
+    typeset,
+    with_unit,
+)
 
 
 def test_noise_is_shown_in_the_unit_that_its_size_asks_for():
@@ -63,3 +72,14 @@ def test_powers_and_greek_letters_are_typeset():
     assert typeset("3 um at 2 m/s^2, 1 +- 0.1") == "3 µm at 2 m/s², 1 ± 0.1"
     assert typeset("mu_0") == "μ₀"
     assert typeset("k3") == "k3"
+
+
+def test_no_zero_has_a_sign_and_evidence_is_told_as_odds():
+    assert with_error(-0.004, 1.2).replace(SPACE, " ") == "0.0 ± 1.2"
+    assert [odds_words(nats) for nats in (0.0, 2.3, 40.2)] == ["1 to 1", "10 to 1", "10¹⁷ to 1"]
+
+
+def test_what_moves_through_an_angle_has_a_torque_and_an_inertia():
+    assert per_mass("rad/s") == "torque per unit inertia"
+    assert per_mass("rad", "friction force per unit mass") == "friction torque per unit inertia"
+    assert per_mass("m") == "force per unit mass"

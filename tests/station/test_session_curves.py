@@ -82,6 +82,6 @@ def test_the_report_shows_what_was_found(kept):
     drawing = base64.b64decode(picture.partition(",")[2])
     assert b"<svg" in drawing
     assert b"with cubic stiffness" in drawing
-    found = SimpleNamespace(diagnosis=kept.document, maps=(), curves=kept.shown, left_out={})
+    found = SimpleNamespace(diagnosis=kept.document, maps=(), curves=kept.shown, compared=None, left_out={})
     captions = [part.caption for part in suspects(found) if part.kind == "figure"]
     assert any("Thick line: the model with the named effects" in caption for caption in captions)

@@ -1,5 +1,6 @@
 """What stands in a terminal: twelve lines, eighty columns, and plain letters where it has no others."""
 
+import io
 import os
 import shutil
 import subprocess
@@ -8,10 +9,12 @@ from pathlib import Path
 
 import pytest
 from hidden import DUFFING
+from rich.console import Console
 
 from station.cli import run
 from station.plain_letters import in_plain_letters
 from station.text.content import Facts, Paragraph, Table, Told, markdown
+from station.text.layout import show_parts
 
 MOST_LINES = 12
 
@@ -66,3 +69,15 @@ def test_a_result_reads_the_same_in_markdown():
     assert "**noise**: 1 ± 0.04" in text
     assert "**why**: so" in text
     assert "|  | % of motion |\n| --- | ---: |\n| usual | 0.9 |" in text
+
+
+def test_names_break_at_blanks_where_values_are_wide():
+    value = "(-3.48 ± 0.23) × 10¹⁰"
+    table = Table(
+        "", ("", "unit", "wavelet", "restoring force"), (("viscous damping", "1/s", value, value),), texts=2
+    )
+    console = Console(width=60, file=io.StringIO())
+    show_parts(console, [table])
+    rows = console.file.getvalue().splitlines()
+    assert [row.split()[0] for row in rows[1:]] == ["viscous", "damping"]
+    assert value in rows[1]
