@@ -1,4 +1,4 @@
-"""Time stamps that make no clock: what is wrong with them, and what to do."""
+"""Time stamps that make no clock, or are not there: what is wrong, and what to do."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,8 +22,8 @@ FEWEST_IN_A_RUN = 50
 
 
 class NoClock(ImportProblem):
-    """Stamps that make no clock; `remedy` are the fields of a recipe that would settle it, `certain` where it need not be
-    confirmed.
+    """Stamps that make no clock; `remedy` are the fields of a recipe that would settle it, none where only the operator
+    can say it, `certain` where it need not be confirmed.
     """
 
     def __init__(

@@ -88,6 +88,8 @@ def import_file(
     With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
     `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
     """
+    if folder is not None and not folder.name:
+        raise UsageProblem("--session names no folder; give the name of a new one, as in --session runs/first")
     if file.is_dir():
         raise UsageProblem(f"{file} is a folder; give a file in it (a shell writes them all as {file}/*)")
     if not file.is_file():
@@ -110,7 +112,8 @@ def import_file(
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
-    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed, "stated": stated(look.table)}))
+    general = {"confirmed": confirmed, "stated": stated(look.table), "rate": look.proposal.recipe.rate}
+    used = to_toml(read.recipe.model_copy(update=general))  # a rate is kept where it was stated, not that of these stamps
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
     for name, part in pieces:

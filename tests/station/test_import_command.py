@@ -124,13 +124,35 @@ def test_an_answer_is_given_once_and_found_again_for_the_next_file_of_that_shape
         with open(name, "w", encoding="utf-8") as file:
             file.write(SPRINGS)
     assert run(["import", "first.csv"]) == 2
-    assert "names no rate" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "names no rate" in told.err
+    assert "--accept --rate HZ" in told.err
+    assert "rate" not in told.out
+    assert run(["import", "first.csv", "--accept"]) == 2  # a rate that nobody stated is taken by nobody
+    assert "give the rate in Hz with --rate" in capsys.readouterr().err
     answer = imported(capsys, "first.csv", "--rate", "100")
     assert answer["runs"] == ["1", "2"]
     again = imported(capsys, "second.csv")
     assert (again["rate_hz"], again["runs"]) == (RATE, ["1", "2"])
     assert "confirmed for first_run2" in again["notes"][0]
     assert run(["import", "second.csv", "--recipe", "none"]) == 2
+
+
+def test_a_rate_that_only_the_stamps_of_one_file_gave_is_not_kept(capsys):
+    steps = np.random.default_rng(5).uniform(0.02, 0.1, N // 5)
+    for name, scale in (("first.csv", 1.0), ("second.csv", 3.0)):
+        written(name, "t (s),x (mm)", scale * np.repeat(np.cumsum(steps), 5), 9.0 * DECAY)
+    answer = imported(capsys, "first.csv", "--accept")
+    assert "in place of the time stamps" in " ".join(answer["notes"])
+    assert "rate =" not in (Path(answer["sessions"][0]) / "recipe.toml").read_text(encoding="utf-8")
+    assert run(["import", "second.csv"]) == 2
+
+
+@pytest.mark.parametrize("folder", ["", "."])
+def test_a_session_without_a_name_gets_a_sentence(capsys, folder):
+    written("decay.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    assert run(["import", "decay.csv", "--session", folder]) == 2
+    assert "--session names no folder" in capsys.readouterr().err
 
 
 def test_bare_numbers_are_runs_once_somebody_says_so(capsys):
