@@ -85,7 +85,7 @@ class Look:
                 () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
             )
             proposal = replace(proposal, recipe=recipe, doubts=(*proposal.doubts, *doubt))
-            more = (refusal.sentence,)
+            more = (refusal.done,) if refusal.done else ()
             made = apply(self.table, recipe) if settled else ()
         if proposal.doubts and not accept:
             sentence = f"{self.table.path.name}: {'; and '.join(proposal.doubts)}"

@@ -74,9 +74,11 @@ def test_a_drive_that_stops_is_left_out_and_one_that_goes_on_is_kept(capsys):
     answer = imported(capsys, "stops.csv")
     left = Session.open(answer["sessions"][0]).recording().samples.shape[1]
     assert 5.0 - 0.4 < (N - left) / RATE < 5.0 + 1.0
-    written("goes_on.csv", "t (s),x (mm)", T, 9.0 * swing * np.clip(T / 4.0, 0.0, 1.0))
-    answer = imported(capsys, "goes_on.csv")
-    assert Session.open(answer["sessions"][0]).recording().samples.shape[1] == N
+    beating = np.exp(-0.1 * T) * swing + 0.6 * np.sin(2 * np.pi * 1.7 * T)
+    for name, driven in (("goes_on.csv", swing * np.clip(T / 4.0, 0.0, 1.0)), ("beats.csv", beating)):
+        written(name, "t (s),x (mm)", T, 9.0 * driven)
+        answer = imported(capsys, name)
+        assert Session.open(answer["sessions"][0]).recording().samples.shape[1] == N
 
 
 @pytest.mark.parametrize("loss", [0.02, 0.3])
@@ -103,6 +105,22 @@ def test_the_command_in_a_refusal_works_when_it_is_typed(capsys, given):
     assert words[:3] == ["station", "import", "ship 1.csv"]
     assert all(word in words for word in given)
     assert run(words[1:]) == 0
+
+
+def test_what_a_refusal_suggests_is_what_a_shell_takes(capsys):
+    written("odd.csv", "t (s),data(:;2)", T, DECAY)
+    assert run(["import", "odd.csv"]) == 2
+    words = shlex.split(capsys.readouterr().err.split("as in ")[1].split(". These")[0], posix=True)
+    assert run(["import", "odd.csv", *words]) == 0
+
+
+def test_stamps_that_were_put_on_an_even_clock_are_not_to_be_put_there(capsys):
+    written("strays.csv", "t (s),x (mm)", T + 0.004 * np.sin(np.arange(N) ** 2.0), 9.0 * DECAY)
+    assert run(["import", "strays.csv"]) == 2
+    assert "with --resample" in capsys.readouterr().err
+    notes = " ".join(imported(capsys, "strays.csv", "--accept")["notes"])
+    assert notes.count("the time stamps stray") == 1
+    assert "--resample" not in notes
 
 
 def test_an_angle_from_two_columns_needs_both(capsys):
