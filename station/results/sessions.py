@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
+from daq.errors import StorageError
 from daq.importing.apply import stated
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
@@ -115,11 +116,15 @@ def import_file(
     general = {"confirmed": confirmed, "stated": stated(look.table), "rate": look.proposal.recipe.rate}
     used = to_toml(read.recipe.model_copy(update=general))  # a rate is kept where it was stated, not that of these stamps
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
-    made = []
+    made: list[Session] = []
     for name, part in pieces:
         where = first.with_name(f"{first.name}{name}")
         known = info.model_copy(update={"name": where.name})
-        made.append(Session.create_imported(where, part, file, known, used))
+        try:
+            made.append(Session.create_imported(where, part, file, known, used))
+        except StorageError as error:
+            left = ", ".join(str(session.folder) for session in made) or "nothing"
+            raise type(error)(f"the import failed, and {left} was kept: {error}") from error
     return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
 
 
