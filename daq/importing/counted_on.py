@@ -1,6 +1,7 @@
 """Numbers that begin again: an angle after a turn (359, 0, 1), a counter whose word is full (65535, 0, 1).
 
-Between two rows such a column jumps by nearly as much; counted on, it goes on smoothly. A recipe names other ranges (`wraps`).
+Between two rows such a column jumps by nearly as much; counted on, it goes on smoothly. A recipe names other ranges
+(`wraps`).
 """
 
 from dataclasses import replace

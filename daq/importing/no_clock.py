@@ -41,9 +41,8 @@ def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[
     where = place(table.path, table.line(int(rows[back[0]])), column.number)
     what = f"the time stamp jumps back from {time[back[0] - 1]:.6g} s to {time[back[0]]:.6g} s"
     if alike.all() and long.all():
-        return NoClock(
-            where, what, {"restarts": True}, f"{what}{table.at(rows[back[0]])}: the rows were cut where it does", certain=True
-        )  # fmt: skip
+        done = f"{what}{table.at(rows[back[0]])}: the rows were cut where it does"
+        return NoClock(where, what, {"restarts": True}, done, certain=True)
     todo = (
         "say in a recipe that the rows restart there (restarts = true), or that these are steps (time_step)"
     )

@@ -301,7 +301,9 @@ def test_a_file_is_read_as_published_by_a_certain_guess_or_by_one_recipe(tmp_pat
         with pytest.raises(Doubtful) as caught:
             look_at(FIELD / name).read()
         stated = {} if caught.value.settled else {"rate": rate}
-        look_at(FIELD / name, recipe=caught.value.proposal.recipe.model_copy(update=stated)).read()  # it is read, too
+        look_at(
+            FIELD / name, recipe=caught.value.proposal.recipe.model_copy(update=stated)
+        ).read()  # it is read, too
         recordings = by(tmp_path, FIELD / name, RECIPES[name])
     else:
         recordings = look_at(FIELD / name).read().recordings
