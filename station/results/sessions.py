@@ -56,10 +56,8 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     session = Session.open(known[0])
     found = verify(session.folder)
     if not found.ok:
-        progress(
-            f"warning: {session.folder.name} is not as it was written ({found.problems[0]}), so what follows may be wrong; "
-            f"see `{command_line('verify', session.folder)}`"
-        )
+        wrong = f"does not agree with its manifest ({found.problems[0]}), so what follows may be wrong"
+        progress(f"warning: {session.folder.name} {wrong}; see `{command_line('verify', session.folder)}`")
     return session
 
 

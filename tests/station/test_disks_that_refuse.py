@@ -30,7 +30,7 @@ def test_a_session_that_was_cut_says_so_before_anything_else(here, capsys, comma
     capsys.readouterr()
     run([command, "decay"])
     first = capsys.readouterr().err.splitlines()[0]
-    assert first.startswith("warning: decay is not as it was written (raw.log: ")
+    assert first.startswith("warning: decay does not agree with its manifest (raw.log: ")
     assert "station verify sessions/decay" in first
 
 
