@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 
 from daq.importing.apply import apply
 from daq.importing.csv_text import read_csv
@@ -32,7 +33,7 @@ def read_file(
         names = ", ".join(recording.run for recording in found)
         raise problem(
             Path(path), f"holds {len(found)} runs ({names})",
-            f"name one, as in --run {found[0].run}, or in Python read_recordings(...)",
+            f"name one, as in --run {quote(found[0].run)}, or in Python read_recordings(...)",
         )  # fmt: skip
     return found[0]
 
