@@ -26,6 +26,7 @@
     |  `- Rebooted                the board restarted in mid-capture
     `- StorageError            7  the disk's fault
        |- SessionLocked        9  another process is writing this session
+       |- NotWritable             nothing may be written there; it can be read
        |- SessionChanged       9  another process changed it since it was read
        `- SessionDamaged          what is stored is not what was written
 
@@ -159,6 +160,10 @@ class SessionChanged(StorageError):
     """Another process changed what a change was to be based on; nothing was written."""
 
     exit_code = 9
+
+
+class NotWritable(StorageError):
+    """Nothing may be written there; what is there can be read."""
 
 
 class SessionDamaged(StorageError):

@@ -13,7 +13,10 @@ def no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -
     """
     sound = counts.frames + counts.malformed + counts.unknown
     if not counts.bytes:
-        return NoBoard(f"{port}: nothing answered within {seconds:g} s; is the board there and powered?")
+        return NoBoard(
+            f"{port}: nothing answered within {seconds:g} s; is the board there and powered, and no other program using "
+            "this port?"
+        )
     if not sound:
         return NoBoard(
             f"{port}: {counts.bytes} bytes came within {seconds:g} s, but no answer of a board;"

@@ -20,7 +20,7 @@ from typing import Any
 from zlib import crc32
 
 from daq.errors import SessionDamaged, StorageError
-from daq.storage import open_new, read_regular, sync_directory, write_all
+from daq.storage import open_new, read_regular, refused, sync_directory, write_all
 
 MAGIC = b"free-decay raw 1\n"
 MARKER = b"\xf5\xdb"
@@ -238,9 +238,7 @@ class RawLog:
     def _fail(self, error: OSError) -> None:
         where = self.path
         self._close()
-        self.failure = StorageError(
-            f"{where} cannot be written ({error.strerror or error}); the capture goes on in memory"
-        )
+        self.failure = refused(where or Path(), error)
 
     def _close(self) -> None:
         if self._fd is not None:

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
-from daq.errors import NotASession, SessionExists, SessionLocked, StorageError
+from daq.errors import NotASession, NotWritable, SessionExists, SessionLocked, StorageError
 
 TEMPORARY, LOCK = ".new", ".lock"
 LOOK_AGAIN_S = 0.02
@@ -28,10 +28,10 @@ def refused(path: Path, error: OSError) -> StorageError:
         return StorageError(f"{path}: the disk is full; free some space or name a folder on another disk")
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         if path.name == LOCK:
-            return StorageError(
+            return NotWritable(
                 f"{path.parent}: this session may not be written ({error.strerror}); make it writable, or copy it elsewhere"
             )
-        return StorageError(f"{path}: not writable here ({error.strerror}); name another folder")
+        return NotWritable(f"{path}: not writable here ({error.strerror}); name another folder")
     return StorageError(f"{path}: {error.strerror or error}; check the disk or name another folder")
 
 

@@ -11,6 +11,7 @@ from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
+from daq.importing.no_clock import NoClock
 from daq.importing.options import MOTIONS
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.resampling import cut, find_gaps, place
@@ -23,6 +24,10 @@ from daq.recording import Array, Channel, Recording
 
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
+NO_RATE = (
+    "it has no time column and names no rate; name the time with --column time=..., or give the rate in Hz with --rate "
+    "(in a recipe: rate)"
+)
 FEWEST_ROWS = 8
 FEWEST = 50
 """Samples of five cycles with ten readings each: of fewer nothing can be told, and tables of results are as short."""
@@ -274,7 +279,8 @@ def clock_of(
     """Return the clock: the recipe's rate, else the stamps, else the rate that the file names."""
     rows, time = values.shape[1], readings.get("time")
     if recipe.rate is not None:
-        return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, as given")
+        said = "as given" if time is None else "in place of the time stamps"
+        return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, {said}")
     if time is None:
         rates = {r.column.rate for r in readings.values() if r.column.rate is not None}
         if len(rates) > 1:
@@ -286,7 +292,7 @@ def clock_of(
             )
         rate, source = (rates.pop(), "the file") if rates else (table.rate, table.rate_source)
         if rate is None:
-            raise problem(table.path, "has no time column and names no rate", "give --rate in Hz")
+            raise NoClock(table.path.name, NO_RATE, {})
         return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
     time.in_si(table, "time")  # refuses what is no time at all
     unit = replace(time.unit, scale=time.unit.scale * time.field.sign)

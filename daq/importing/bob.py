@@ -1,6 +1,7 @@
 """The angle of a pendulum from x and y of its bob."""
 
 from dataclasses import replace
+from shlex import quote
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
     radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
     if x.label and y.label and amplitude(radius) < CLOSE * float(np.nanmean(radius)):
         return made
-    names = ",".join(split_unit(c.label)[0].strip() or str(c.number) for c in pair)
+    names = quote(",".join(split_unit(c.label)[0].strip() or str(c.number) for c in pair))
     doubt = (
         f"2 columns could be the displacement: {x.place}, {y.place}; they lie roughly on an arc: if they are a "
         f"pendulum's bob, its angle is --angle-from {names}, else choose one, as in {ask('displacement', x.number)}"

@@ -60,7 +60,9 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], st
         if name != "utf-8" or encoding:
             todo = "name another encoding, or save it again as text"
             raise problem(path, f"cannot be read as {name} ({error})", todo) from None
-    return _lines(data, "cp1252", "replace"), "the text was read as windows-1252 (latin-1)"
+    said = "the text is no UTF-8, so it was read as cp1252 (Western Europe)"
+    todo = "where letters are wrong, name another, as --encoding cp1250 (Central Europe)"
+    return _lines(data, "cp1252", "replace"), f"{said}; {todo}"
 
 
 def _lines(data: bytes, encoding: str, errors: str = "strict") -> list[str]:

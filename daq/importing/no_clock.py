@@ -1,4 +1,4 @@
-"""Time stamps that make no clock: what is wrong with them, and what to do."""
+"""Time stamps that make no clock, or are not there: what is wrong, and what to do."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,15 +22,15 @@ FEWEST_IN_A_RUN = 50
 
 
 class NoClock(ImportProblem):
-    """Stamps that make no clock; `remedy` are the fields of a recipe that would settle it, `certain` where it need not be
-    confirmed.
+    """Stamps that make no clock; `remedy` are the fields of a recipe that would settle it, none where only the operator
+    can say it, `certain` where it need not be confirmed; `done` says what was done.
     """
 
     def __init__(
-        self, where: str, sentence: str, remedy: Mapping[str, Any], *, certain: bool = False
+        self, where: str, sentence: str, remedy: Mapping[str, Any], done: str = "", *, certain: bool = False
     ) -> None:
         super().__init__(f"{where}: {sentence}")
-        self.sentence, self.remedy, self.certain = sentence, remedy, certain
+        self.remedy, self.done, self.certain = remedy, done, certain
 
 
 def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[np.int64]) -> ImportProblem:
@@ -41,7 +41,8 @@ def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[
     where = place(table.path, table.line(int(rows[back[0]])), column.number)
     what = f"the time stamp jumps back from {time[back[0] - 1]:.6g} s to {time[back[0]]:.6g} s"
     if alike.all() and long.all():
-        return NoClock(where, f"{what}: the rows were cut where it does", {"restarts": True}, certain=True)
+        done = f"{what}{table.at(rows[back[0]])}: the rows were cut where it does"
+        return NoClock(where, what, {"restarts": True}, done, certain=True)
     todo = (
         "say in a recipe that the rows restart there (restarts = true), or that these are steps (time_step)"
     )
@@ -67,11 +68,14 @@ def no_clock(
         before = 2 * gap >= len(time)
         option, rest, at = ("to", "after", gap - 1) if before else ("from", "before", gap)
         share = max(gap, len(time) - gap) / len(time)
+        rows_left, end = f"{100.0 * (1.0 - share):.2g} % of the rows", f"{first + time[at]:.10g}"
+        what = "the time stamps go on by another clock after a gap"
         return NoClock(
             place(table.path, table.line(int(rows[gap])), column.number),
-            f"the time stamps go on by another clock after a gap here; --{option} {first + time[at]:.10g} leaves out what "
-            f"is {rest} that time of the file, {100.0 * (1.0 - share):.2g} % of the rows",
-            {"parts": (Part.model_validate({option: first + float(time[at])}),)}, certain=share > NEARLY_ALL,
+            f"{what} here; --{option} {end} leaves out what is {rest} that time of the file, {rows_left}",
+            {"parts": (Part.model_validate({option: first + float(time[at])}),)},
+            f"{what}{table.at(rows[gap])}: what is {rest} {end} s of the file, {rows_left}, was left out "
+            "(--resample keeps it)", certain=share > NEARLY_ALL,
         )  # fmt: skip
     slope, stray = line
     what = strays(stray, slope)

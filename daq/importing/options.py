@@ -1,5 +1,6 @@
 """The operator's statements about a file, where the file itself does not say."""
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -93,6 +94,5 @@ class ImportOptions:
 
 
 def ask(quantity: str, column: object) -> str:
-    """Return the option that names a column, as the command line writes it."""
-    text = str(column)
-    return f"--column {quantity}='{text}'" if " " in text else f"--column {quantity}={text}"
+    """Return the option that names a column, as a shell takes it."""
+    return f"--column {quantity}={shlex.quote(str(column))}"

@@ -45,18 +45,19 @@ class Proposal:
 
 
 class Doubtful(ImportProblem):
-    """A file of which something is to be said or confirmed first; `proposal` holds the doubts and a recipe."""
+    """A file of which something is to be said or confirmed first; `proposal` holds the doubts and a recipe, which is
+    `settled` where it needs no more than to be confirmed.
+    """
 
-    def __init__(self, sentence: str, proposal: Proposal) -> None:
+    def __init__(self, sentence: str, proposal: Proposal, *, settled: bool = True) -> None:
         super().__init__(sentence)
-        self.proposal = proposal
+        self.proposal, self.settled = proposal, settled
 
 
 @dataclass(frozen=True)
 class _Run:
     table: Table
     fields: tuple[Column, ...]
-    rate: float | None
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -118,7 +119,6 @@ def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recip
     found: dict[str, object] = {
         "format": table.format,
         "encoding": table.encoding,
-        "rate": made[0].rate,
         "stated": stated(table),
     }
     found |= {"dialect": table.dialect, "fields": _listed(table, roles)}
@@ -150,23 +150,22 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     angular = assumed if is_angle(choices, options) else ""
     units = {q: unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
     choices = of_one_kind(choices, {q: unit for q, (unit, _) in units.items()}, notes, doubts)
-    rate = _rate(table, choices, options, doubts)
+    if options.rate is not None and (time := choices.pop("time", None)) is not None and time.asked:
+        raise problem(table.path, "a time column and a rate were both given", "give one of them")
     fields: dict[str, tuple[Column, ...]] = {
         q: _fields(choices[q], units[q][1]) for q in ORDER if q in choices
     }
-    if rate is not None:
-        choices.pop("time", None)
     if "time" in choices:
         fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
     pull = choices.get("acceleration")
     if pull is not None and not options.keep_offset and (told := _gravity(pull, units["acceleration"][0])):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
         notes.append(told)
-    recipe = Recipe(rate=rate, resample=options.resample)
+    recipe = Recipe(rate=options.rate, resample=options.resample)
     derived = () if options.keep_derived else _derived(run, choices, fields, recipe, notes)
     notes += filter(None, [left_out(table, choices)])
     listed = [field for q, several in fields.items() if q not in derived for field in several]
-    return _Run(run, tuple(listed), rate, tuple(notes), tuple(doubts))
+    return _Run(run, tuple(listed), tuple(notes), tuple(doubts))
 
 
 def _gravity(pull: Choice, unit: Unit) -> str:
@@ -178,23 +177,6 @@ def _gravity(pull: Choice, unit: Unit) -> str:
         f"{pull.column.place} has gravity in it: its median, {float(np.nanmedian(values)):.4g} m/s^2, "
         "was taken out as an offset (--keep-offset keeps it)"
     )
-
-
-def _rate(
-    table: Table, choices: Mapping[str, Choice], options: ImportOptions, doubts: list[str]
-) -> float | None:
-    """Return the rate that takes the place of stamps: the one asked for, or 1 Hz where nothing in the file is a clock."""
-    time = choices.get("time")
-    if options.rate is not None and time is not None and time.asked:
-        raise problem(table.path, "a time column and a rate were both given", "give one of them")
-    rates = [table.rate, *(choice.column.rate for choice in choices.values())]
-    if options.rate is not None or time is not None or any(rate is not None for rate in rates):
-        return options.rate
-    doubts.append(
-        "has no time column and names no rate; name the time with --column time=... or give --rate in Hz "
-        "(at 1 Hz times count readings)"
-    )
-    return 1.0
 
 
 def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
@@ -238,7 +220,7 @@ def _derived(
     except NoClock as refusal:
         again = recipe.model_copy(update=dict(refusal.remedy))
         if again == recipe:
-            raise
+            return set()  # refused where it is read
         first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
         return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 
 from daq.importing.apply import apply
 from daq.importing.csv_text import read_csv
@@ -32,7 +33,7 @@ def read_file(
         names = ", ".join(recording.run for recording in found)
         raise problem(
             Path(path), f"holds {len(found)} runs ({names})",
-            f"name one, as in --run {found[0].run}, or in Python read_recordings(...)",
+            f"name one, as in --run {quote(found[0].run)}, or in Python read_recordings(...)",
         )  # fmt: skip
     return found[0]
 
@@ -71,20 +72,25 @@ class Look:
 
     def read(self, *, accept: bool = False) -> Read:
         """Return the recordings. Raises Doubtful, with a recipe, where something is to be said or confirmed before."""
-        proposal = self.proposal
+        proposal, settled = self.proposal, True
+        made: tuple[Recording, ...] = ()
         more: tuple[str, ...] = ()
         try:
             made = apply(self.table, proposal.recipe)
         except NoClock as refusal:
+            settled = bool(refusal.remedy)
+            if accept and not settled:
+                raise
             recipe = proposal.recipe.model_copy(update=dict(refusal.remedy))
             doubt = (
                 () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
             )
             proposal = replace(proposal, recipe=recipe, doubts=(*proposal.doubts, *doubt))
-            more = (refusal.sentence,)
-            made = apply(self.table, recipe)
+            more = (refusal.done,) if refusal.done else ()
+            made = apply(self.table, recipe) if settled else ()
         if proposal.doubts and not accept:
-            raise Doubtful(f"{self.table.path.name}: {'; and '.join(proposal.doubts)}", proposal)
+            sentence = f"{self.table.path.name}: {'; and '.join(proposal.doubts)}"
+            raise Doubtful(sentence, proposal, settled=settled)
         cut = len(proposal.recipe.parts) > 1
         runs = [one.run.rpartition(".")[0] if cut else one.run for one in made]
         told = [proposal.notes.get(run, proposal.notes.get("", ())) for run in runs]

@@ -78,6 +78,10 @@ class Table:
         """Return the 1-based line of a row, or None where the format has no lines."""
         return None if self.lines is None else int(self.lines[row])
 
+    def at(self, row: int) -> str:
+        """Return the line of a row in brackets, to stand behind what is there."""
+        return "" if self.lines is None else f" (line {self.line(row)})"
+
 
 def named(table: Table, wanted: str | int, what: str) -> SourceColumn:
     """Return the one column that is called so, for a quantity. Raises ImportProblem where there is none, or several."""

@@ -195,11 +195,9 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
     if not lost:
         return ()
     first = int(np.flatnonzero(np.diff(index) > 1)[0])
-    line = table.line(int(rows[first + 1]))
-    where = f" (line {line})" if line else ""
     return (
         f"{lost} samples are missing by their time stamps, "
-        f"the first before t = {time[first + 1] - time[0]:.6g} s{where}; they are marked as lost",
+        f"the first before t = {time[first + 1] - time[0]:.6g} s{table.at(rows[first + 1])}; they are marked as lost",
     )
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from daq.errors import SettingsError
 from daq.importing.columns import INDEX, meaning, words
-from daq.importing.options import QUANTITIES
+from daq.importing.options import QUANTITIES, ask
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 from daq.recording import Array, Channel
 
@@ -139,7 +139,7 @@ def _refuse_decimal_commas(sample: Sample, clock: str | None, used: Sequence[str
     ):
         raise SettingsError(
             f"'{sample.text[:40]}' may be {len(decimals)} with a decimal comma or {len(fields)} columns, each second one"
-            f" unused; print a decimal point, or say that they are columns, as --column {UNUSED}={decimals[0]}"
+            f" unused; print a decimal point, or say that they are columns, as {ask(UNUSED, decimals[0])}"
         )
 
 

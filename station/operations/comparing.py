@@ -8,7 +8,7 @@ from station.operations.current_model import current_model
 from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
-from station.results.documents import write_document
+from station.results.documents import keep_document
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.pipeline import compare
@@ -33,5 +33,5 @@ def compare_session(
     current = current_model((session,), model_file, whole_library(effects_file))
     compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)
-    write_document(session, NAME, document)
+    keep_document(session, NAME, document)
     return compared, document

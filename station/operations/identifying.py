@@ -11,7 +11,7 @@ from identify.errors import NotIdentifiable
 from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
-from station.results.documents import write_document
+from station.results.documents import keep_document
 from station.results.identification_document import NAME, IdentificationDocument, identification_document
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
@@ -47,7 +47,7 @@ def identify_session(
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
-    write_document(session, NAME, document)
+    keep_document(session, NAME, document)
     return result, document
 
 

@@ -11,7 +11,7 @@ from identify.fitting.segments import segments_of
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.results.documents import Document, read_document, write_document
+from station.results.documents import Document, keep_document, read_document
 
 NAME = "noise_floor.json"
 
@@ -35,5 +35,5 @@ def with_floor(session: Session, prepared: PreparedDecay) -> PreparedDecay:
         except NotIdentifiable:
             return prepared
         kept = NoiseFloor(format=1, session=session.folder.name, chi2_std=width)
-        write_document(session, NAME, kept)
+        keep_document(session, NAME, kept)
     return replace(prepared, floor_std=kept.chi2_std)

@@ -1,6 +1,5 @@
 """The command that imports a file of which something is to be confirmed, by the recipe that is proposed."""
 
-import shlex
 from pathlib import Path
 
 from daq.importing.errors import ImportProblem
@@ -8,6 +7,7 @@ from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.recipe import to_toml
 from station.exits import UsageProblem
+from station.output import command_line
 
 
 def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> UsageProblem | ImportProblem:
@@ -15,11 +15,13 @@ def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> Usa
     if not isinstance(refusal, Doubtful):
         return refusal
     words = [word for option in _given(options) for word in option]
-    command = shlex.join(["station", "import", str(file), *words])
     proposal = refusal.proposal
+    asked = [] if refusal.settled else ["--rate", "HZ"]
+    command = command_line("import", file, *words, *asked)
+    how = "as proposed" if refusal.settled else "as proposed, with its rate in place of HZ"
     said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
     where = "These are options of `station import`, and --ask opens the recipe there"
-    return UsageProblem(f"{refusal}. {where}. To read it as proposed, type: {command}", **said)
+    return UsageProblem(f"{refusal}. {where}. To read it {how}, type: {command}", **said)
 
 
 def _given(options: ImportOptions) -> list[list[str]]:

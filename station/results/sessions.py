@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
+from daq.errors import StorageError
 from daq.importing.apply import stated
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
@@ -14,13 +15,13 @@ from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe, to_toml
 from daq.importing.resampling import cut
 from daq.recording import Recording
-from daq.session import Session
+from daq.session import Session, verify
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
-from station.output import progress
+from station.output import command_line, progress
 from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
 from station.results.session_names import session_folder
@@ -55,10 +56,15 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     again). Raises UsageProblem when it is none of these.
     """
     path = session_folder(argument, sessions, "session or data file")
-    if not path.is_file():
-        return Session.open(path)
-    known = made_of(path, sessions)
-    return Session.open(known[0]) if known else _import_on_the_way(path, sessions, info or SessionInfo())
+    known = made_of(path, sessions) if path.is_file() else [path]
+    if not known:
+        return _import_on_the_way(path, sessions, info or SessionInfo())
+    session = Session.open(known[0])
+    found = verify(session.folder)
+    if not found.ok:
+        wrong = f"does not agree with its manifest ({found.problems[0]}), so what follows may be wrong"
+        progress(f"warning: {session.folder.name} {wrong}; see `{command_line('verify', session.folder)}`")
+    return session
 
 
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:
@@ -94,6 +100,10 @@ def import_file(
     With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
     `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
     """
+    if folder is not None and not folder.name:
+        raise UsageProblem(
+            "--session names no folder; give the name of a new one, as in --session runs/first"
+        )
     if file.is_dir():
         raise UsageProblem(f"{file} is a folder; give a file in it (a shell writes them all as {file}/*)")
     if not file.is_file():
@@ -116,13 +126,20 @@ def import_file(
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
-    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed, "stated": stated(look.table)}))
+    general = {"confirmed": confirmed, "stated": stated(look.table), "rate": look.proposal.recipe.rate}
+    used = to_toml(
+        read.recipe.model_copy(update=general)
+    )  # a rate is kept where it was stated, not that of these stamps
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
-    made = []
+    made: list[Session] = []
     for name, part in pieces:
         where = first.with_name(f"{first.name}{name}")
         known = info.model_copy(update={"name": where.name})
-        made.append(Session.create_imported(where, part, file, known, used))
+        try:
+            made.append(Session.create_imported(where, part, file, known, used))
+        except StorageError as error:
+            left = ", ".join(str(session.folder) for session in made) or "nothing"
+            raise type(error)(f"the import failed, and {left} was kept: {error}") from error
     return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
 
 

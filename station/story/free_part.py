@@ -16,7 +16,12 @@ STEADY = 3.0
 DECAYED = 0.6
 LEFT = 0.1
 """A motion that ends above the first share of its largest amplitude, or holds a level above the second one over the
-last third of its record, is still being driven, or too short to tell."""
+last third of its record, is still being driven, or too short to tell. The level is the largest amplitude in each half of
+that third: what is driven may beat to its end.
+"""
+
+HELD = 0.95
+"""So much of its level a motion that is driven holds from one half of the last third to the other."""
 
 FEWEST_PERIODS = 4.0
 
@@ -74,5 +79,5 @@ def _goes_on(amplitude: Array, largest: float) -> bool:
     """Check whether the motion does not die away."""
     if not len(amplitude):
         return True
-    end, before = float(amplitude[-1]), float(amplitude[2 * len(amplitude) // 3])
-    return end > DECAYED * largest or (end > LEFT * largest and end > 0.9 * before)
+    before, end = (float(half.max()) for half in np.array_split(amplitude, 6)[-2:])
+    return float(amplitude[-1]) > DECAYED * largest or (end > LEFT * largest and end > HELD * before)

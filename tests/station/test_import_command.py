@@ -74,9 +74,11 @@ def test_a_drive_that_stops_is_left_out_and_one_that_goes_on_is_kept(capsys):
     answer = imported(capsys, "stops.csv")
     left = Session.open(answer["sessions"][0]).recording().samples.shape[1]
     assert 5.0 - 0.4 < (N - left) / RATE < 5.0 + 1.0
-    written("goes_on.csv", "t (s),x (mm)", T, 9.0 * swing * np.clip(T / 4.0, 0.0, 1.0))
-    answer = imported(capsys, "goes_on.csv")
-    assert Session.open(answer["sessions"][0]).recording().samples.shape[1] == N
+    beating = np.exp(-0.1 * T) * swing + 0.6 * np.sin(2 * np.pi * 1.7 * T)
+    for name, driven in (("goes_on.csv", swing * np.clip(T / 4.0, 0.0, 1.0)), ("beats.csv", beating)):
+        written(name, "t (s),x (mm)", T, 9.0 * driven)
+        answer = imported(capsys, name)
+        assert Session.open(answer["sessions"][0]).recording().samples.shape[1] == N
 
 
 @pytest.mark.parametrize("loss", [0.02, 0.3])
@@ -105,6 +107,22 @@ def test_the_command_in_a_refusal_works_when_it_is_typed(capsys, given):
     assert run(words[1:]) == 0
 
 
+def test_what_a_refusal_suggests_is_what_a_shell_takes(capsys):
+    written("odd.csv", "t (s),data(:;2)", T, DECAY)
+    assert run(["import", "odd.csv"]) == 2
+    words = shlex.split(capsys.readouterr().err.split("as in ")[1].split(". These")[0], posix=True)
+    assert run(["import", "odd.csv", *words]) == 0
+
+
+def test_stamps_that_were_put_on_an_even_clock_are_not_to_be_put_there(capsys):
+    written("strays.csv", "t (s),x (mm)", T + 0.004 * np.sin(np.arange(N) ** 2.0), 9.0 * DECAY)
+    assert run(["import", "strays.csv"]) == 2
+    assert "with --resample" in capsys.readouterr().err
+    notes = " ".join(imported(capsys, "strays.csv", "--accept")["notes"])
+    assert notes.count("the time stamps stray") == 1
+    assert "--resample" not in notes
+
+
 def test_an_angle_from_two_columns_needs_both(capsys):
     phi = 0.5 * DECAY
     written("bob.csv", "t (s),x (m),y (m)", T, 3.0 + np.sin(phi), 1.0 - np.cos(phi))
@@ -124,13 +142,35 @@ def test_an_answer_is_given_once_and_found_again_for_the_next_file_of_that_shape
         with open(name, "w", encoding="utf-8") as file:
             file.write(SPRINGS)
     assert run(["import", "first.csv"]) == 2
-    assert "names no rate" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "names no rate" in told.err
+    assert "--accept --rate HZ" in told.err
+    assert "rate" not in told.out
+    assert run(["import", "first.csv", "--accept"]) == 2  # a rate that nobody stated is taken by nobody
+    assert "give the rate in Hz with --rate" in capsys.readouterr().err
     answer = imported(capsys, "first.csv", "--rate", "100")
     assert answer["runs"] == ["1", "2"]
     again = imported(capsys, "second.csv")
     assert (again["rate_hz"], again["runs"]) == (RATE, ["1", "2"])
     assert "confirmed for first_run2" in again["notes"][0]
     assert run(["import", "second.csv", "--recipe", "none"]) == 2
+
+
+def test_a_rate_that_only_the_stamps_of_one_file_gave_is_not_kept(capsys):
+    steps = np.random.default_rng(5).uniform(0.02, 0.1, N // 5)
+    for name, scale in (("first.csv", 1.0), ("second.csv", 3.0)):
+        written(name, "t (s),x (mm)", scale * np.repeat(np.cumsum(steps), 5), 9.0 * DECAY)
+    answer = imported(capsys, "first.csv", "--accept")
+    assert "in place of the time stamps" in " ".join(answer["notes"])
+    assert "rate =" not in (Path(answer["sessions"][0]) / "recipe.toml").read_text(encoding="utf-8")
+    assert run(["import", "second.csv"]) == 2
+
+
+@pytest.mark.parametrize("folder", ["", "."])
+def test_a_session_without_a_name_gets_a_sentence(capsys, folder):
+    written("decay.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    assert run(["import", "decay.csv", "--session", folder]) == 2
+    assert "--session names no folder" in capsys.readouterr().err
 
 
 def test_bare_numbers_are_runs_once_somebody_says_so(capsys):

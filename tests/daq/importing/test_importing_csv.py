@@ -53,6 +53,13 @@ def test_every_encoding_and_line_end_is_read(tmp_path: Path, encoding: str, newl
     assert recording.channels[0].name == "Größe & Weg (µm)"
 
 
+def test_an_encoding_that_was_guessed_is_named_and_another_is_suggested(tmp_path: Path) -> None:
+    text = table("Czas (s);Położenie wózka (m)", T, U, delimiter=";", comma=True).encode("cp1250")
+    guessed = " ".join(load(tmp_path, text).notes)
+    assert "read as cp1252 (Western Europe); where letters are wrong" in guessed
+    assert load(tmp_path, text, encoding="cp1250").channels[0].name == "Położenie wózka (m)"
+
+
 def test_quoted_cells_may_hold_decimal_commas(tmp_path: Path) -> None:
     rows = [f'"{t:.9g}","{u:.9g}"'.replace(".", ",") for t, u in zip(T, U, strict=True)]
     recording = load(tmp_path, '"time (s)","position (m)"\n' + "\n".join(rows))

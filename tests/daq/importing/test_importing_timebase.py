@@ -210,7 +210,9 @@ def changing() -> str:
 def test_after_a_gap_another_clock_is_left_out_and_said_or_proposed(tmp_path: Path) -> None:
     text = changing()
     recording = load(tmp_path, text)
-    assert "by another clock after a gap here; --to 13.28 " in said(recording)
+    assert "by another clock after a gap (line 302): what is after 13.28 s of the file, 17 %" in said(
+        recording
+    )
     assert recording.rate == pytest.approx(50.0, rel=1e-6)
     assert recording.samples.shape[1] == 300
     half = "\n".join(text.splitlines()[:1] + text.splitlines()[211:])
