@@ -120,6 +120,12 @@ def three_figures(value: float | None) -> str:
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}".rstrip(".")
 
 
+def odds_words(nats: float) -> str:
+    """Write evidence as odds: "25 to 1", "10⁷ to 1"."""
+    digits = nats / math.log(10.0)
+    return f"{math.exp(nats):.0f} to 1" if digits < 3.0 else f"10{str(round(digits)).translate(_RAISED)} to 1"
+
+
 def _power_of_ten(text: str) -> str:
     """Write "1.20e-04" as 1.20 × 10⁻⁴."""
     mantissa, e, power = text.partition("e")

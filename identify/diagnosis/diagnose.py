@@ -395,7 +395,7 @@ def _next_experiment(
         return f"{_AT_OTHER_LEVELS}: {why}."
     if verdict == "missing_effect":
         return _confirming(suspects[0])
-    return "Release it from half and from twice the amplitude, and diagnose all releases together."
+    return "Release from half and from twice the amplitude, and diagnose all releases together."
 
 
 def _confirming(suspect: Suspect) -> str:

@@ -17,6 +17,7 @@ from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitu
 from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
+from identify.formatting import odds_words
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, RIVALS_WITHIN
 
@@ -28,6 +29,9 @@ DECIDES = 3.0 * RIVALS_WITHIN
 
 _ENOUGH = 0.9
 """Share of what decides from which on nothing but the amplitude need be varied."""
+
+_SURE = 100.0 * float(np.log(10.0))
+"""Nats beyond which odds are not written out."""
 
 _AFRESH = 3.0
 """How many times as much as the same amplitude again a release must show of what can hide: else that was looked for."""
@@ -116,19 +120,19 @@ class NextRelease:
         if not self.tells_more and self.hidden:
             return "No release within the limits would show much more of a hidden force than the same release again."
         if not self.tells_more:
-            why = f"No release within the limits distinguishes {one} from {other}: {_about(self.best.nats)} at best"
+            why = f"No release within the limits distinguishes {one} from {other}: {_odds(self.best.nats)} at best"
             if self.instead is None:
                 return f"{why}."
-            return f"{why}. {_capital(self._do(self.instead.experiment))} could, with {_about(self.instead.nats)}."
+            return f"{why}. {_capital(self._do(self.instead.experiment))} could, with {_odds(self.instead.nats)}."
         does = (
             f"It would show a force that can still hide, such as {one},"
             if self.hidden
             else f"It distinguishes {one} from {other}"
         )
-        sentence = f"{_capital(self._do(self.best.experiment))}. {does} with {_about(self.best.nats)}."
+        sentence = f"{_capital(self._do(self.best.experiment))}. {does} with {_odds(self.best.nats)}."
         if self.same is None or self.same.nats >= 0.5 * self.best.nats:
             return sentence
-        return f"{sentence} The same amplitude again would add {_number(self.same.nats)}."
+        return f"{sentence} The same amplitude again would give {_odds(self.same.nats)}."
 
     def amplitude_words(self, experiment: Experiment) -> str:
         """Return the amplitude of an experiment with its unit."""
@@ -362,14 +366,8 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
     return [replace(best, heavier=heavier), *more]
 
 
-def _about(nats: float) -> str:
-    if nats < 1.0:
-        return f"{_number(nats)} nat"
-    return f"{_number(nats)} nats" if nats > 1000.0 else f"about {_number(nats)} nats"
-
-
-def _number(nats: float) -> str:
-    return "more than 1000" if nats > 1000.0 else "less than 1" if nats < 1.0 else f"{nats:.0f}"
+def _odds(nats: float) -> str:
+    return f"odds of {odds_words(nats)}" if nats < _SURE else f"odds above {odds_words(_SURE)}"
 
 
 def _capital(sentence: str) -> str:

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from daq.capture import CaptureObserver
 from identify.diagnosis.guidance import MOST, Guidance, State
+from identify.formatting import odds_words
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
@@ -15,7 +16,7 @@ from station.text.capture_progress import Watch
 from station.text.content import Told, Tone, facts
 from station.text.diagnosis_text import headline, tone_of
 from station.text.layout import STYLES, labelled, show
-from station.text.numbers import odds_words, typeset
+from station.text.numbers import typeset
 
 BAR, NAME, SHOWN = 24, 27, 5
 ENDINGS: dict[State, tuple[str, Tone]] = {

@@ -33,12 +33,6 @@ def probability(p: float | None) -> str:
     return "<1e-6" if p < 1e-6 else f"{p:.0e}".replace("e-0", "e-") if p < 0.01 else f"{p:.2f}"
 
 
-def odds_words(nats: float) -> str:
-    """Write evidence as odds: "25 to 1", "10⁷ to 1"."""
-    digits = nats / math.log(10.0)
-    return f"{math.exp(nats):.0f} to 1" if digits < 3.0 else f"10{str(round(digits)).translate(_RAISED)} to 1"
-
-
 def change(before: float | None, after: float | None) -> str:
     """Say by how much something fell or rose, as a factor or in %."""
     if not before or not after:

@@ -4,11 +4,10 @@ import pytest
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
-from identify.formatting import SPACE, three_figures, with_error
+from identify.formatting import SPACE, odds_words, three_figures, with_error
 from station.text.numbers import (
     energy_scale,
     noise_scale,
-    odds_words,
     per_mass,
     scale,
     scale_as_recorded,
