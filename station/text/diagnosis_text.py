@@ -61,7 +61,7 @@ def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: boo
 def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: bool = False) -> Table:
     """Make the table of residuals: of the model, of the model with each suspect, in their order, and of noise alone.
 
-    `full` adds the reason for which each is a suspect, and chi-square.
+    `full` adds the reason for which each is a suspect, and chi-square. What predictions name together was fitted together.
     """
     error, named, floor = document.error, document.error_with_named, document.noise_floor
     predicted = document.by_prediction
@@ -73,7 +73,9 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
         after = suspect.error_after
         word = predicts(document, suspect) if predicted else would_explain(error.chi2, after)
         mark = "named" if suspect.effect in document.named else "" if suspect.claimed else "weak"
-        rows.append((mark, f"+ {suspect.effect}", suspect.motion_percent, after, word))
+        together = predicted and mark == "named" and len(document.named) > 1
+        motion, left = (None, None) if together else (suspect.motion_percent, after)
+        rows.append((mark, f"+ {suspect.effect}", motion, left, word))
     cells = [
         (name, three_figures(motion), times(chi2), *[word] * bool(reason), *[three_figures(chi2)] * full)
         for _, name, motion, chi2, word in rows

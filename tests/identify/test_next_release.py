@@ -44,7 +44,7 @@ def test_between_shapes_of_a_spring_a_larger_amplitude_is_asked_for_and_not_the_
     assert abs(chosen.best.experiment.amplitude) > 0.0071
     assert chosen.best.nats > 10.0 * chosen.same.nats
     assert chosen.words.startswith("Release from ")
-    assert "The same amplitude again would add " in chosen.words
+    assert "The same amplitude again would give odds " in chosen.words
 
 
 def test_no_release_is_asked_for_beyond_the_limits(small_cubic):
