@@ -120,8 +120,10 @@ def three_figures(value: float | None) -> str:
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}".rstrip(".")
 
 
-def odds_words(nats: float) -> str:
-    """Write evidence as odds: "25 to 1", "10⁷ to 1"."""
+def odds_words(nats: float, enough: float = math.inf) -> str:
+    """Write evidence as odds: "25 to 1", "10⁵ to 1"; beyond `enough` nats that, "or more"."""
+    if nats > enough:
+        return f"{odds_words(enough)} or more"
     digits = nats / math.log(10.0)
     return f"{math.exp(nats):.0f} to 1" if digits < 3.0 else f"10{str(round(digits)).translate(_RAISED)} to 1"
 

@@ -60,6 +60,9 @@ NEGLIGIBLE = 0.1 * LARGE
 RIVALS_WITHIN = -float(np.log(DOUBT))
 """Nats of evidence below which two suspects count as not distinguishable: the worse one has more than DOUBT of the odds."""
 
+DECIDES = 3.0 * RIVALS_WITHIN
+"""Nats beyond which more decide nothing more: three times what distinguishes two hypotheses."""
+
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
 

@@ -187,17 +187,17 @@ def _not_from_rest(
 
     Strengths and states are those of the equation error. None where the largest release was recorded from rest.
     """
-    model, effect = problem.model, term.effect
+    model, strength = problem.model, term.effect.strength
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     if largest.window.pre_release is not None:
         return []
-    place = [t.effect.name for t in model.forces].index(effect.name)
+    place = model.forces.index(term)
     physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked: list[tuple[float, dict[str, float]]] = []
     for start in starts:
         inner = physics | term.by_name(start)
         found, _ = regress_states(largest, model, inner, term)
-        if effect.strength.low <= found.strengths[place] <= effect.strength.high:
+        if strength.low <= found.strengths[place] <= strength.high:
             each = zip(model.forces, found.strengths.tolist(), strict=False)
             ranked.append((found.rss, inner | {str(force.strength): value for force, value in each}))
     ranked.sort(key=lambda entry: entry[0])
@@ -206,7 +206,8 @@ def _not_from_rest(
         point = initial_nuisances(decays, model, values) | values
         for i, decay in enumerate(decays):
             for j, off in enumerate(regress_states(decay, model, values, term)[1].tolist()):
-                point[str(term.state(j).of_release(i, len(decays)))] += off
+                name = str(term.state(j).of_release(i, len(decays)))
+                point[name] = point.get(name, 0.0) + off
         points.append(problem.theta(point))
     return points
 

@@ -19,19 +19,13 @@ from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
 from identify.formatting import odds_words
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import DOUBT, RIVALS_WITHIN
+from identify.priors import DECIDES, DOUBT, RIVALS_WITHIN
 
 OPEN = 2.0 * RIVALS_WITHIN
 """Nats behind the likeliest hypothesis within which another one is open."""
 
-DECIDES = 3.0 * RIVALS_WITHIN
-"""Nats beyond which more decide nothing more: three times what distinguishes two hypotheses."""
-
 _ENOUGH = 0.9
 """Share of what decides from which on nothing but the amplitude need be varied."""
-
-_SURE = 100.0 * float(np.log(10.0))
-"""Nats beyond which odds are not written out."""
 
 _AFRESH = 3.0
 """How many times as much as the same amplitude again a release must show of what can hide: else that was looked for."""
@@ -130,7 +124,7 @@ class NextRelease:
             else f"It distinguishes {one} from {other}"
         )
         sentence = f"{_capital(self._do(self.best.experiment))}. {does} with {_odds(self.best.nats)}."
-        if self.same is None or self.same.nats >= 0.5 * self.best.nats:
+        if self.same is None or self.same.nats >= min(0.5 * self.best.nats, DECIDES):
             return sentence
         return f"{sentence} The same amplitude again would give {_odds(self.same.nats)}."
 
@@ -367,7 +361,7 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
 
 
 def _odds(nats: float) -> str:
-    return f"odds of {odds_words(nats)}" if nats < _SURE else f"odds above {odds_words(_SURE)}"
+    return f"odds of {odds_words(nats, DECIDES)}"
 
 
 def _capital(sentence: str) -> str:

@@ -112,6 +112,7 @@ def try_terms(
         begun += begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
         counted(done, whole)
     begun.sort(key=lambda beginning: beginning.cost)
+    whole = len(terms) + len(begun)
     tried: list[Candidate] = []
     enough = goal or 0.0
     for done, beginning in enumerate(begun, len(terms) + 1):

@@ -157,16 +157,17 @@ def regress_states(
     motion, columns = prepared.motion, _force_columns(prepared, model, inner)
     place, effect = model.forces.index(term), term.force
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
-    size = np.diag(effect.state_sizes(prepared.amplitude, prepared.frequency))[: effect.states]
+    first, second = effect.state_sizes(prepared.amplitude, prepared.frequency)
+    offs = ((first, 0.0), (0.0, second))[: effect.states]
     begun = [
-        prepared.window.lightness * force_along(term, inner_values(term, inner), *along, off=(one[0], one[1]))
+        prepared.window.lightness * force_along(term, inner_values(term, inner), *along, off=off)
         - columns[:, place]
-        for one in size.tolist()
+        for off in offs
     ]
     noise = motion.noise_acceleration or 1.0
     found = regress(prepared.restoring, np.column_stack([columns, *begun]), moving(motion), noise)
     strength = found.strengths[place] or np.inf
-    return found, found.strengths[columns.shape[1] :] / strength @ size[:, : effect.states]
+    return found, found.strengths[columns.shape[1] :] / strength * (first, second)[: effect.states]
 
 
 def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
