@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
-INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
+INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, curve_evidence diagnose explanation few_releases judgement \
   line_beside floor_not_reached own_linear marginal_likelihood shares user_effects))
@@ -45,7 +45,7 @@ slow: $(TOOLS)  ## the tests that take long
 	$(BIN)/pytest $(WORKERS) -m slow
 
 kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, compiled code for any x86-64
-	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR=$(CURDIR)/build/kernel \
+	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR="$(CURDIR)/build/kernel" \
 	  $(BIN)/pytest $(WORKERS) $(DIAGNOSES)
 
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
@@ -57,7 +57,7 @@ pictures: $(TOOLS)  ## the pictures of the documentation, of the page as it is
 
 constraints:  ## the versions that are installed from now on: the newest, in a fresh environment; then run the tests
 	rm -rf build/newest
-	STATION_VENV=build/newest $(PYTHON) install.py --dev --newest
+	STATION_VENV=build/newest "$(PYTHON)" install.py --dev --newest
 	build/newest/bin/python -m pip freeze --all --exclude-editable | grep -v "^pip==" | grep -E '^[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.+!-]*$$' > constraints.txt
 
 docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
