@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
+from identify.priors import DECIDES
+
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl",
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
@@ -120,10 +122,10 @@ def three_figures(value: float | None) -> str:
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}".rstrip(".")
 
 
-def odds_words(nats: float, enough: float = math.inf) -> str:
-    """Write evidence as odds: "25 to 1", "10⁵ to 1"; beyond `enough` nats that, "or more"."""
-    if nats > enough:
-        return f"{odds_words(enough)} or more"
+def odds_words(nats: float) -> str:
+    """Write evidence as odds: "25 to 1", "10⁴ to 1"; from where more decides nothing more, "10⁵ to 1 or more"."""
+    if nats > DECIDES:
+        return f"{odds_words(DECIDES)} or more"
     digits = nats / math.log(10.0)
     return f"{math.exp(nats):.0f} to 1" if digits < 3.0 else f"10{str(round(digits)).translate(_RAISED)} to 1"
 

@@ -6,7 +6,6 @@ from identify.curves.confirmation import Confirmation
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.misfit_errors import is_clear
 from identify.formatting import among, odds_words, plain_name, quantities, share_words, three_figures
-from identify.priors import DECIDES
 
 _NEARLY_ALL = 0.99
 """Share of what the model leaves above the noise that a force must explain to be spoken of though its strength is unsure."""
@@ -27,7 +26,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
             f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which changes "
             f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The odds against a "
-            f"drift of the rig, or a law without a name, are {odds_words(effect.nats, DECIDES)}{alike}."
+            f"drift of the rig, or a law without a name, are {odds_words(effect.nats)}{alike}."
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
 

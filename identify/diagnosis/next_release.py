@@ -114,19 +114,23 @@ class NextRelease:
         if not self.tells_more and self.hidden:
             return "No release within the limits would show much more of a hidden force than the same release again."
         if not self.tells_more:
-            why = f"No release within the limits distinguishes {one} from {other}: {_odds(self.best.nats)} at best"
+            best = odds_words(self.best.nats)
+            why = f"No release within the limits distinguishes {one} from {other}: odds of {best} at best."
             if self.instead is None:
-                return f"{why}."
-            return f"{why}. {_capital(self._do(self.instead.experiment))} could, with {_odds(self.instead.nats)}."
+                return why
+            does = _capital(self._do(self.instead.experiment))
+            return f"{why} {does} could, with odds of {odds_words(self.instead.nats)}."
         does = (
             f"It would show a force that can still hide, such as {one},"
             if self.hidden
             else f"It distinguishes {one} from {other}"
         )
-        sentence = f"{_capital(self._do(self.best.experiment))}. {does} with {_odds(self.best.nats)}."
+        sentence = (
+            f"{_capital(self._do(self.best.experiment))}. {does} with odds of {odds_words(self.best.nats)}."
+        )
         if self.same is None or self.same.nats >= min(0.5 * self.best.nats, DECIDES):
             return sentence
-        return f"{sentence} The same amplitude again would give {_odds(self.same.nats)}."
+        return f"{sentence} The same amplitude again would give odds of {odds_words(self.same.nats)}."
 
     def amplitude_words(self, experiment: Experiment) -> str:
         """Return the amplitude of an experiment with its unit."""
@@ -358,10 +362,6 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
     sensor = _SENSORS[last.window.channels[0]]
     more = [replace(best, sensor=sensor)] if sensor not in last.window.channels else []
     return [replace(best, heavier=heavier), *more]
-
-
-def _odds(nats: float) -> str:
-    return f"odds of {odds_words(nats, DECIDES)}"
 
 
 def _capital(sentence: str) -> str:

@@ -55,8 +55,8 @@ def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
     turn = TurnDocument(
         session="release_2", asked="", amplitude=0.025, unit="m", between=["end stop", "freeplay"]
     )
-    words = gave(turn.model_copy(update={"expected_nats": 40.2, "gave_nats": 37.0}))
-    assert words == "odds of 10¹⁶ to 1 for end stop against freeplay; 10¹⁷ to 1 for end stop expected"
+    words = gave(turn.model_copy(update={"expected_nats": 9.2, "gave_nats": 7.5}))
+    assert words == "odds of 10³ to 1 for end stop against freeplay; 10⁴ to 1 for end stop expected"
     assert gave(turn.model_copy(update={"expected_nats": None, "gave_nats": None})) == ""
     assert gave(turn.model_copy(update={"expected_nats": 51.0, "gave_nats": -1.2})).startswith(
         "odds of 3 to 1 for freeplay against end stop"
