@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from daq.importing.errors import ImportProblem
     from daq.importing.options import ImportOptions
-    from daq.importing.reading import read_file as read_recording
-    from daq.importing.reading import read_runs as read_recordings
+    from daq.importing.reading import read_file as read_recording, read_runs as read_recordings
     from daq.recording import Recording
 
 __all__ = ["ImportOptions", "ImportProblem", "Recording", "read_recording", "read_recordings"]

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from math import isnan, nan
-from struct import Struct
-from struct import error as StructError  # noqa: N812
+from struct import (
+    Struct,
+    error as StructError,  # noqa: N812
+)
 from typing import Any, cast
 
 from firmware_protocol.layout import (

@@ -17,62 +17,37 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from identify.comparison.compare import Comparison as Comparison
-    from identify.comparison.compare import compare as compare
-    from identify.curves.laid_over import DecayCurves as DecayCurves
-    from identify.curves.laid_over import decay_curves as decay_curves
-    from identify.diagnosis.diagnose import Diagnosis as Diagnosis
-    from identify.diagnosis.diagnose import diagnose as diagnose
-    from identify.diagnosis.diagnose import refine as refine
+    from identify.comparison.compare import Comparison as Comparison, compare as compare
+    from identify.curves.laid_over import DecayCurves as DecayCurves, decay_curves as decay_curves
+    from identify.diagnosis.diagnose import Diagnosis as Diagnosis, diagnose as diagnose, refine as refine
     from identify.diagnosis.ladder import (
         Ladder as Ladder,
-    )
-    from identify.diagnosis.ladder import (
         Step as Step,
-    )
-    from identify.diagnosis.ladder import (
         add_effect as add_effect,
-    )
-    from identify.diagnosis.ladder import (
         first_step as first_step,
-    )
-    from identify.diagnosis.ladder import (
         remove_effect as remove_effect,
     )
     from identify.diagnosis.suspect import Suspect as Suspect
-    from identify.effects.effect import Effect as Effect
-    from identify.effects.effect import Parameter as Parameter
-    from identify.effects.library import LIBRARY as LIBRARY
-    from identify.effects.library import find_effect as find_effect
-    from identify.effects.user.definition import own_effect as own_effect
-    from identify.effects.user.definition import parse_effect as parse_effect
+    from identify.effects.effect import Effect as Effect, Parameter as Parameter
+    from identify.effects.library import LIBRARY as LIBRARY, find_effect as find_effect
+    from identify.effects.user.definition import own_effect as own_effect, parse_effect as parse_effect
     from identify.errors import NotIdentifiable as NotIdentifiable
     from identify.estimate import Estimate as Estimate
-    from identify.fitting.prediction import Prediction as Prediction
-    from identify.fitting.prediction import predict as predict
-    from identify.fitting.validation import Validation as Validation
-    from identify.fitting.validation import validate as validate
+    from identify.fitting.prediction import Prediction as Prediction, predict as predict
+    from identify.fitting.validation import Validation as Validation, validate as validate
     from identify.free_decay import FreeDecay as FreeDecay
-    from identify.model.model import Model as Model
-    from identify.model.model import Term as Term
-    from identify.model.model import base_model as base_model
+    from identify.model.model import Model as Model, Term as Term, base_model as base_model
     from identify.preprocessing.aligned_decay import (
         AlignedDecay as AlignedDecay,
-    )
-    from identify.preprocessing.aligned_decay import (
         locate_and_align as locate_and_align,
     )
     from identify.preprocessing.alignment import Alignment as Alignment
-    from identify.preprocessing.prepared_decay import PreparedDecay as PreparedDecay
-    from identify.preprocessing.prepared_decay import prepare as prepare
+    from identify.preprocessing.prepared_decay import PreparedDecay as PreparedDecay, prepare as prepare
     from identify.restoring_force.restoring_force import (
         RestoringForceResult as RestoringForceResult,
-    )
-    from identify.restoring_force.restoring_force import (
         identify_restoring_force as identify_restoring_force,
     )
-    from identify.wavelet.wavelet import WaveletResult as WaveletResult
-    from identify.wavelet.wavelet import identify_wavelet as identify_wavelet
+    from identify.wavelet.wavelet import WaveletResult as WaveletResult, identify_wavelet as identify_wavelet
 
 _HOMES = {
     "comparison.compare": ("Comparison", "compare"),

@@ -45,7 +45,7 @@ class Identified(Summarised):
 
 
 def estimate(decay: FreeDecay, value: float, std: float, unit: str) -> Estimate:
-    """Return a value of a decay, the error of its clock in its own."""
+    """Make an estimate of a decay, whose error includes that of its clock."""
     return with_clock(Estimate(float(value), float(std), unit), decay.rate, decay.rate_std)
 
 

@@ -11,8 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mocks import faults as wire
-from mocks import generate
+from mocks import faults as wire, generate
 from mocks.broken_sensors import BROKEN_SENSORS
 from mocks.link import Link, PtyLink, TcpLink
 from mocks.misconfigurations import MISCONFIGURATIONS

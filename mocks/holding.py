@@ -12,6 +12,7 @@ from firmware_protocol import (
     NO_SAMPLE,
     Frame,
     Hold,
+    Holder as Report,
     HolderReason,
     HolderState,
     Message,
@@ -19,7 +20,6 @@ from firmware_protocol import (
     Release,
     TimeSync,
 )
-from firmware_protocol import Holder as Report
 from mocks.holder import Holder
 
 SILENCE_S = 2.0

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from firmware_protocol import ChannelDescription
-from mocks import faults as wire
-from mocks import generate
+from mocks import faults as wire, generate
 from mocks.acquisition import Acquisition, Converter
 from mocks.bench_parameters import draw_parameters, draw_release_time
 from mocks.board import Board

@@ -13,8 +13,7 @@ from daq.importing.errors import problem
 from daq.importing.header_lines import headers, names_in, rate_above, units_above
 from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
-from daq.importing.recipe import Dialect as WantedDialect
-from daq.importing.recipe import Recipe
+from daq.importing.recipe import Dialect as WantedDialect, Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 

@@ -107,7 +107,8 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     window = fit.windows[0]
     doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
     faults = fit.model.faults if baseline.at_floor else ()
-    shooting = shoot(*_without_faults(prepared, fit)) if faults else shoot(prepared, fit)
+    seen = _without_faults(prepared, fit) if faults else (prepared, fit)
+    shooting = shoot(*seen)
     if shooting.stiffness < _NO_SPRING * fit.frequency**2:
         raise NotIdentifiable(
             "The model, fitted to this record in one run, has lost its spring: it cannot be compared cycle by cycle. "
@@ -122,7 +123,7 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     tone = find_residual_tone(shooting)
     text = DiscrepancyText(window.unit, mass)
     places = find_discrepancies(plane, cycles, tone, text, (factors[0], factors[1]))
-    force_error, force_floor = _force_error(prepared, fit)
+    force_error, force_floor = _force_error(*seen)
     channel = window.channels[0]
     used = window.used[channel]
     left, shown = fit.residual(channel)[used], window.readings[channel][used]

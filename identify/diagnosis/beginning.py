@@ -1,5 +1,6 @@
 """The first steps of a fit with one more effect: from the starts that promise most, its inner parameters held."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,7 @@ from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.model.model import Term
 from identify.model.parameter_id import nuisance
+from identify.preprocessing.equation_error import Regression
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _STARTS = 3
@@ -52,7 +54,7 @@ _ASTRAY = 1.1
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """A term after the first steps, with its inner parameters held."""
+    """A term after the first steps of its fit."""
 
     term: Term
     problem: Problem
@@ -159,18 +161,11 @@ def _promising(
     if not term.is_force:
         return [problem.theta(_with_fault(base, term, start, scales_of(decays[0], {}))) for start in starts]
     model, strength = problem.model, str(term.strength)
-    largest = max(decays, key=lambda prepared: prepared.amplitude)
-    place = [t.effect.name for t in model.forces].index(term.effect.name)
-    physics = {name: estimate.value for name, estimate in base.parameters.items()}
-    ranked: list[tuple[float, dict[str, float]]] = []
-    for start in starts:
-        inner = physics | term.by_name(start)
-        regression = regress_model(largest, model, inner)
-        possible = term.effect.strength.low <= regression.strengths[place] <= term.effect.strength.high
-        ranked.append((regression.rss if possible else np.inf, inner))
-    ranked.sort(key=lambda entry: entry[0])
+    largest = _largest(decays)
     points = []
-    for rss, inner in ranked[:few]:
+    for rss, _, inner in _ranked(
+        base, problem, term, starts, lambda inner: regress_model(largest, model, inner)
+    )[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = weak_strength(largest, term, inner) or 0.0
@@ -187,22 +182,19 @@ def _not_from_rest(
 
     Strengths and states are those of the equation error. None where the largest release was recorded from rest.
     """
-    model, strength = problem.model, term.effect.strength
-    largest = max(decays, key=lambda prepared: prepared.amplitude)
+    model, largest = problem.model, _largest(decays)
     if largest.window.pre_release is not None:
         return []
-    place = model.forces.index(term)
-    physics = {name: estimate.value for name, estimate in base.parameters.items()}
-    ranked: list[tuple[float, dict[str, float]]] = []
-    for start in starts:
-        inner = physics | term.by_name(start)
-        found, _ = regress_states(largest, model, inner, term)
-        if strength.low <= found.strengths[place] <= strength.high:
-            each = zip(model.forces, found.strengths.tolist(), strict=False)
-            ranked.append((found.rss, inner | {str(force.strength): value for force, value in each}))
-    ranked.sort(key=lambda entry: entry[0])
     points = []
-    for _, values in ranked[:_STARTS]:
+    ranked = _ranked(
+        base, problem, term, starts, lambda inner: regress_states(largest, model, inner, term)[0]
+    )
+    for rss, strengths, inner in ranked[:_STARTS]:
+        if not np.isfinite(rss):
+            break
+        values = inner | {
+            str(force.strength): value for force, value in zip(model.forces, strengths, strict=False)
+        }
         point = initial_nuisances(decays, model, values) | values
         for i, decay in enumerate(decays):
             for j, off in enumerate(regress_states(decay, model, values, term)[1].tolist()):
@@ -210,6 +202,32 @@ def _not_from_rest(
                 point[name] = point.get(name, 0.0) + off
         points.append(problem.theta(point))
     return points
+
+
+def _largest(decays: tuple[PreparedDecay, ...]) -> PreparedDecay:
+    return max(decays, key=lambda prepared: prepared.amplitude)
+
+
+def _ranked(
+    base: Fit,
+    problem: Problem,
+    term: Term,
+    starts: Starts,
+    regressed: Callable[[dict[str, float]], Regression],
+) -> list[tuple[float, list[float], dict[str, float]]]:
+    """Rank the starts of a force by equation error: what is left, the strengths, and the parameters, by unknown's name.
+
+    What is left is infinite where the force would have an impossible strength.
+    """
+    place, strength = problem.model.forces.index(term), term.effect.strength
+    physics = {name: estimate.value for name, estimate in base.parameters.items()}
+    ranked = []
+    for start in starts:
+        inner = physics | term.by_name(start)
+        found = regressed(inner)
+        possible = strength.low <= found.strengths[place] <= strength.high
+        ranked.append((found.rss if possible else np.inf, found.strengths.tolist(), inner))
+    return sorted(ranked, key=lambda entry: entry[0])
 
 
 def _with_fault(base: Fit, term: Term, start: dict[str, float], scales: Scales) -> dict[str, float]:

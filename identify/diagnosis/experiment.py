@@ -106,7 +106,7 @@ def carried_over(
     scale = experiment.amplitude / signed_amplitude(last)
     values, factors = found.of_release(0), {}
     mass = 1.0 / (1.0 + experiment.heavier)
-    strengths = {str(t.strength) for t in found.model.forces if not t.force.shared_parameters}
+    strengths = {str(t.strength) for t in found.model.forces if not t.force.relative}
     for unknown in found.unknowns:
         if unknown.window < 0:
             factors[unknown.name] = mass if unknown.name in strengths else 1.0

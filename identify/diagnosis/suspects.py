@@ -99,7 +99,7 @@ def try_terms(
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
-    From each start the term's inner parameters are held at first, so that all others can make room for it. Then all are
+    From most starts the term's inner parameters are held at first, so that all others can make room for it. Then all are
     fitted freely: the most promising few to the end, the others until they creep with twice the best of these still below.
     Where only a `goal` of chi-square counts, a slow fit is stopped. Near the floor fits begin at the places
     of the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
@@ -116,7 +116,7 @@ def try_terms(
     tried: list[Candidate] = []
     enough = goal or 0.0
     for done, beginning in enumerate(begun, len(terms) + 1):
-        if goal is None and len(tried) == _LEADERS:
+        if goal is None and len({c.name for c in tried}) == _LEADERS:
             enough = _BEHIND * min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
         start = dict(zip((u.name for u in beginning.problem.unknowns), beginning.theta.tolist(), strict=True))
         close = beginning.cost <= base.chi_square

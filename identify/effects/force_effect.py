@@ -90,6 +90,11 @@ class ForceEffect(Effect):
                 f"effect {self.name}: {count} parameters with the shared ones, at most {PARAMETERS}"
             )
 
+    @property
+    def relative(self) -> bool:
+        """Whether the strength is a share of another effect's parameter, so that no mass divides it."""
+        return bool(self.shared_parameters)
+
     def starting_values(self, scales: Scales, channel: str = "") -> Starts:
         """Return starting values of the inner parameters that no variant holds."""
         return self.starts(scales)

@@ -177,7 +177,10 @@ def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
 def _no_spring(record: FreeDecay) -> str:
     """Say why no stiffness is seen: with two channels one may be reversed or clip; a single channel may hold only noise."""
     if len(record.channels) > 1:
-        return "The motion shows no restoring force: is the displacement's sign reversed, or does a channel clip?"
+        return (
+            "The motion shows no restoring force that these readings could show: is the displacement's sign reversed, or "
+            "does a channel clip?"
+        )
     return (
         "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "
         "release from a larger amplitude, or use a sensor with less noise."

@@ -24,7 +24,7 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.stick_slip import RunsAway, simulate_decay
+from identify.wavelet.exact_decay import RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8

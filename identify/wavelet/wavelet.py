@@ -18,6 +18,7 @@ from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
 from identify.summary import Summary
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
+from identify.wavelet.exact_decay import RunsAway
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
@@ -32,7 +33,6 @@ from identify.wavelet.ridge_fit import (
 from identify.wavelet.ridge_newton import settle
 from identify.wavelet.ridge_spread import clearances_of, spreads_of
 from identify.wavelet.ridge_window import observe_window
-from identify.wavelet.stick_slip import RunsAway
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off

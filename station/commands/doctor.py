@@ -46,7 +46,7 @@ def command(
         table.add_row(grade, Text(finding.check), Text(text))
     screen().print(table)
     at = () if port is None else ("--port", port)
-    if failed:  # the same check, once a fault is mended
+    if failed:
         say(f"{next_line('doctor', *at)} (once what failed is mended)")
     elif any(finding.check == "handshake" for finding in findings):
         say(next_line("capture", *at))

@@ -30,8 +30,7 @@ def command(
     from go into the file as far as the format has a place for them. Samples
     that were lost are empty, or not a number.
     """
-    from daq.exporting import FORMATS as ENDINGS
-    from daq.exporting import form_of
+    from daq.exporting import FORMATS as ENDINGS, form_of
     from station.operations.exporting import exported_session, write_exported
     from station.results.sessions import open_session
 

@@ -6,8 +6,7 @@ from station.campaign.sources import FOLDER, Request, find_sources
 from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest, guide
 from station.output import progress, screen
-from station.report.write import NAME as REPORT
-from station.report.write import write_report
+from station.report.write import NAME as REPORT, write_report
 from station.results.guide_document import NAME, GuideDocument
 from station.safe_text import SafeConsole
 from station.text.guide_text import GuideScreen, show_guide

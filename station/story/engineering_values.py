@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from identify.effects.force_effect import LinearPart
+from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
@@ -78,7 +78,7 @@ class Weighing:
         What changes a parameter of another effect is relative to that, and has no mass in it.
         """
         name, found = next(iter(parameters.items()), ("", None))
-        known = any(e.name == effect and not getattr(e, "shared_parameters", True) for e in LIBRARY)
+        known = any(isinstance(e, ForceEffect) and e.name == effect and not e.relative for e in LIBRARY)
         if self.mass is None or not known or found is None or found.value is None:
             return None
         error = math.nan if found.std is None else found.std
@@ -105,8 +105,7 @@ def engineering_values(
         name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
         if part is None:
             name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
-        relative = bool(term.force.shared_parameters)
-        whole = None if mass is None or relative else times_mass(value, mass, mass_std, unit)
+        whole = None if mass is None or term.force.relative else times_mass(value, mass, mass_std, unit)
         found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}

@@ -7,8 +7,7 @@ import rerun.blueprint as rrb
 from identify.restoring_force.restoring_force import RestoringForceResult
 from station.story.identification import Identification
 from station.text.numbers import per_mass, scale
-from station.views import identification_figures as figures
-from station.views import log, palette
+from station.views import identification_figures as figures, log, palette
 from station.views.palette import Look
 from station.views.tabs import refused
 

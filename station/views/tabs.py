@@ -10,10 +10,8 @@ from station.text.content import markdown
 from station.text.identification_text import lag_words, told, uncorrected
 from station.text.layout import sentence
 from station.text.numbers import per_mass, scale
-from station.views import identification_figures as figures
-from station.views import log, palette
-from station.views.overlay import alignment as picture_of_lag
-from station.views.overlay import overlay
+from station.views import identification_figures as figures, log, palette
+from station.views.overlay import alignment as picture_of_lag, overlay
 from station.views.palette import Look
 
 

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from fastapi import FastAPI, Request
-from nicegui import app as nicegui_app
-from nicegui import background_tasks, ui
+from nicegui import app as nicegui_app, background_tasks, ui
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
 from station.operations.identifying import VIEW

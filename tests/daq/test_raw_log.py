@@ -4,8 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from daq.errors import SessionDamaged, SessionExists, StorageError
 from daq.raw_log import HEAD_SIZE, MAGIC, Kind, RawLog, Record, pack, read, unpack

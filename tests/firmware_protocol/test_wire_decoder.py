@@ -5,8 +5,7 @@ import sys
 import tracemalloc
 from itertools import pairwise
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from wire_messages import messages
 
 from firmware_protocol import Data, Decoder, Frame, Log, Message, SampleFormat, Start, encode

@@ -4,8 +4,7 @@ import struct
 
 import pytest
 from cobs import cobs
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from wire_messages import frame, messages, stuff, u8, u32
 
 from firmware_protocol import (

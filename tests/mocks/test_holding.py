@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from firmware_protocol import (
     NO_SAMPLE,
@@ -29,14 +28,11 @@ from firmware_protocol import (
 )
 from mocks.acquisition import Acquisition, Converter
 from mocks.board import Board
-from mocks.holder import MAGNET_S, SLOWLY_M_S
-from mocks.holder import Holder as Actuator
+from mocks.holder import MAGNET_S, SLOWLY_M_S, Holder as Actuator
 from mocks.holding import SILENCE_S
 from mocks.misconfigurations import Misconfiguration
 from mocks.sensors import Sensor
-from mocks.testbed import Bench as Physics
-from mocks.testbed import Release as LetGo
-from mocks.testbed import simulate
+from mocks.testbed import Bench as Physics, Release as LetGo, simulate
 
 STEP_M = 1e-6
 RATE = 256.0

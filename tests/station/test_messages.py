@@ -3,8 +3,7 @@
 import pytest
 
 from identify.estimate import Estimate
-from identify.formatting import SPACE, quantities, quantity, with_error
-from identify.formatting import three_figures as figures
+from identify.formatting import SPACE, quantities, quantity, three_figures as figures, with_error
 from station.cli import in_plain_words, run
 from station.results.diagnosis_parts import FindingDocument
 from station.results.documents import EstimateDocument

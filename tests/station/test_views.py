@@ -14,8 +14,7 @@ from identify.model.model import base_model
 from station.story.adequacy import Adequacy
 from station.story.identification import Identification
 from station.text.identification_text import told
-from station.views import identification_figures as figures
-from station.views import overlay, show
+from station.views import identification_figures as figures, overlay, show
 from station.views.identification_figures import mesh
 from station.views.palette import VIEWERS
 

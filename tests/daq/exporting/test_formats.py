@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from daq.errors import OperatorError
-from daq.exporting import FORMATS, Exported, encode, form_of
-from daq.exporting import formats as formats_module
+from daq.exporting import FORMATS, Exported, encode, form_of, formats as formats_module
 from daq.importing import ImportOptions, read_file
 from daq.recording import Channel, Recording
 

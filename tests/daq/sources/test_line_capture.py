@@ -7,8 +7,7 @@ from printing_board import RATE, PrintingBoard, as_csv, as_json, release
 from daq.capture import CaptureSettings, capture
 from daq.errors import BoardError, NoBoard, SettingsError
 from daq.raw_log import Kind, read
-from daq.sources import SourceBoard
-from daq.sources import line_source as line_source_module
+from daq.sources import SourceBoard, line_source as line_source_module
 from daq.sources.line_format import Sample, find_format
 from daq.sources.line_source import LineSource
 from daq.sources.open_source import LineOptions

@@ -29,9 +29,9 @@ class RunsAway(NotIdentifiable):
 def simulate_decay(
     displacement: float, velocity: float, stiffness: dict[int, float], damping: Array, step: float, count: int
 ) -> Response:
-    """Simulate u'' = -sum k_i |u|^i sgn(u) - sum mu_i |u'|^i sgn(u') from a given state; `count` samples `step` s apart.
+    """Simulate u'' = -sum k_i u^i - sum mu_i |u'|^i sgn(u') from a given state; `count` samples `step` s apart.
 
-    `stiffness` holds k_i (per unit mass) by its order i, k_1 among them, `damping` mu_0, mu_1, .... The mass sticks where
+    `stiffness` holds k_i (per unit mass) by its order i: 1, 3 and 5; `damping` mu_0, mu_1, .... The mass sticks where
     the spring cannot overcome mu_0. Raises RunsAway where a coefficient is no finite number, k_1 lets the mass
     turn more than once between two samples, or the motion grows to a hundred times its start.
     """
