@@ -217,7 +217,7 @@ def diagnose(
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
     unknown's name; `library` are the effects that are tried, LIBRARY unless given. No force is named that removes less than
-    `worth` % of the motion, however sure it is; where the floor is a guess the limit is at least half a percent. `progress`
+    `worth` % of the motion, however sure it is; what the curves name removes half a percent at least. `progress`
     gets each step in words, counted where the number of fits is known. Raises NotIdentifiable when a release
     holds too little to fit anything.
     """

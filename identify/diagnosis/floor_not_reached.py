@@ -126,18 +126,18 @@ def _by_free_run(
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
-    time, leaves next to nothing of what the model left, and its strength is clear of none.
+    time, leaves next to nothing of what the model left. A line follows any motion for a while, and no implausible effect
+    may leave less.
     """
-    plausible = (entry for entry in ranked if entry.plausible)
-    best = min(plausible, key=lambda entry: entry.fit.chi_square, default=None)
-    if best is None or best.term.effect.kind != "physics":
+    best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
+    if best is None or not best.plausible or best.term.effect.kind != "physics" or best.term.effect.line:
         return None
     final, term = best.fit, best.term
     left = final.chi_square / baseline.fit.chi_square
     beats = found is not None and found.beats and not found.has_law(best.name)
     second = beats and left < _LINE_LEAVES
     all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
-    if not second and not (all_of_it and is_clear(final, term)):
+    if not (second or all_of_it) or not is_clear(final, term):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     named = (replace(best, claimed=True), *rest)

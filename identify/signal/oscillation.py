@@ -64,10 +64,10 @@ def unfree(values: Array, period: float, noise: float, wanted: float) -> tuple[A
 
     The second derivative less what value and slope explain of it over the last period and a half, over w^2: nearly
     zero in free motion; what is left is the hand, while it holds, pulls or strikes. Derivatives are those of a
-    parabola through an eighth of a period, or more (up to a quarter) until the noise falls to `wanted`.
+    parabola through an eighth of a period, or more (up to a third) until the noise falls to `wanted`.
     """
     scale = 2.0 * (period / (2.0 * np.pi)) ** 2
-    for share in (16.0, 12.0, 9.0):
+    for share in (16.0, 12.0, 9.0, 6.0):
         half = max(2, round(period / share))
         place = np.arange(-half, half + 1, dtype=float)
         weights = np.linalg.pinv(np.vander(place, 3, increasing=True))
