@@ -64,7 +64,7 @@ class SessionWriter:
         for _ in range(PLACES):
             try:
                 if failure is not None:
-                    place = self._fallback(failure)
+                    place = self._fallback(StorageError(f"{failure}; the recording is held in memory"))
                     if place is None:
                         break
                     self._move(place, failure)

@@ -129,6 +129,11 @@ class Session(SessionReader):
             session.release()
         return session
 
+    def require_writable(self) -> None:
+        """NotWritable where nothing may be written into the session, SessionLocked as in `write_results`."""
+        with self._writing():
+            pass
+
     def update(self, **changes: Any) -> None:
         """Change metadata; SettingsError when a value is out of range, SessionLocked as in `write_results`."""
         with self._writing() as begun:

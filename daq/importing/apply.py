@@ -154,7 +154,7 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
         if not kept:
             raise problem(
                 table.path, f"has no run '{recipe.runs[0]}'",
-                f"it holds runs {', '.join(run.run for run in tables)}" if tables[0].run else
+                f"it holds runs {', '.join(run.run for run in tables)}" if len(tables) > 1 else
                 "it holds one recording: leave --run out",
             )  # fmt: skip
         tables = kept

@@ -187,7 +187,7 @@ def _of_a_sensor(
     mean = np.linalg.norm([np.nanmedian(c.values) for c in columns]) * (
         meant.unit.scale if meant.unit else 1.0
     )
-    return [replace(first, gravity=has_gravity(np.atleast_1d(mean)))]
+    return [replace(first, gravity=meant.quantity == "acceleration" and has_gravity(np.atleast_1d(mean)))]
 
 
 def _moving(

@@ -134,7 +134,8 @@ def _cell_by_cell(
     if long or len(short) > max(1, len(rows) // 20):
         first, *others = long or short
         raise problem(
-            path, f"this row has {lengths[first]} cells where most have {width}, and {len(others)} more are like it",
+            path, f"this row has {lengths[first]} cells where most have {width}"
+            + (f", and {len(others)} more are like it" if others else ""),
             "repair the file, or give the delimiter and the decimal sign", line=rows[first] + 1,
         )  # fmt: skip
     if short:

@@ -45,9 +45,8 @@ def held_readings(time: Array, values: Array) -> Rebuilt | None:
     if len(between) < FEWEST_INTERVALS or len(changes) < FEWEST_CHANGES:
         return None
     near = between < 3.0 * np.median(between)
-    rows = float(
-        np.mean(np.diff(at)[both][near])
-    )  # stamps may be rounded: 0.03 s is written for most frames of a film
+    # Rows, as stamps may be rounded: 0.03 s is written for most frames of a film.
+    rows = float(np.mean(np.diff(at)[both][near]))
     if not REPEATED[0] <= 1.0 - 1.0 / rows <= REPEATED[1]:
         return None
     shortest = asked / (1.0 - 0.5 * REPEATED[0])

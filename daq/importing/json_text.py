@@ -159,10 +159,13 @@ def _cells(node: Any) -> list[tuple[str, Sequence[Any]]]:
         return []
     if all(isinstance(member, dict) for member in node):
         lists = [[value for value in member.values() if isinstance(value, list)] for member in node]
-        if all(len(found) == 1 and "name" in member for found, member in zip(lists, node, strict=True)):
-            units = [f" ({member['unit']})" if "unit" in member else "" for member in node]
+        said = [{str(key).lower(): value for key, value in member.items()} for member in node]
+        labels = [one.get("name") or one.get("label") for one in said]
+        if all(len(found) == 1 and label for found, label in zip(lists, labels, strict=True)):
+            units = [one.get("unit") or one.get("units") for one in said]
             return [
-                (f"{m['name']}{unit}", found[0]) for m, unit, found in zip(node, units, lists, strict=True)
+                (f"{label} ({unit})" if unit else str(label), found[0])
+                for label, unit, found in zip(labels, units, lists, strict=True)
             ]
         names = list(dict.fromkeys(str(name) for record in node for name in record))
         few = len(names) * len(node) <= MAX_NUMBERS

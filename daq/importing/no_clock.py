@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import ImportProblem, place
-from daq.importing.recipe import Part
+from daq.importing.recipe import Part, Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -31,6 +31,13 @@ class NoClock(ImportProblem):
     ) -> None:
         super().__init__(f"{where}: {sentence}")
         self.remedy, self.done, self.certain = remedy, done, certain
+
+    def mended(self, recipe: Recipe) -> Recipe:
+        """Return a recipe with the remedy; of its own parts, one alone, only an end that is open is moved."""
+        fields = dict(self.remedy)
+        if recipe.parts and (left := fields.pop("parts", ())) and len(recipe.parts) == 1:
+            fields["parts"] = (left[0].model_copy(update=recipe.parts[0].model_dump(exclude_none=True)),)
+        return recipe.model_copy(update=fields)
 
 
 def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[np.int64]) -> ImportProblem:

@@ -14,7 +14,6 @@ from daq.plain_text import first_fault
 MOTIONS = ("displacement", "velocity", "acceleration")
 QUANTITIES = ("time", *MOTIONS, "force")
 NONE = "none"
-SPELLED = {"tab": "\t", "\\t": "\t", "blank": " ", "space": " "}
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,6 @@ class ImportOptions:
             object.__setattr__(self, name, MappingProxyType(dict(mapping)))
         if self.skip_rows < 0:
             raise ImportProblem(f"the number of rows to skip cannot be negative ({self.skip_rows})")
-        object.__setattr__(self, "delimiter", SPELLED.get(self.delimiter or "", self.delimiter))
         if self.delimiter is not None and self.delimiter == self.decimal:
             raise ImportProblem(f"'{self.delimiter}' cannot be both the delimiter and the decimal sign")
         try:

@@ -161,8 +161,7 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     if pull is not None and not options.keep_offset and (told := _gravity(pull, units["acceleration"][0])):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
         notes.append(told)
-    recipe = Recipe(rate=options.rate, resample=options.resample)
-    derived = () if options.keep_derived else _derived(run, choices, fields, recipe, notes)
+    derived = () if options.keep_derived else _derived(run, choices, fields, options.as_recipe(), notes)
     notes += filter(None, [left_out(table, choices)])
     listed = [field for q, several in fields.items() if q not in derived for field in several]
     return _Run(run, tuple(listed), tuple(notes), tuple(doubts))
@@ -218,7 +217,7 @@ def _derived(
     try:
         clock = clock_of(table, readings, values, recipe, (recipe.parts or (Part(),))[0])
     except NoClock as refusal:
-        again = recipe.model_copy(update=dict(refusal.remedy))
+        again = refusal.mended(recipe)
         if again == recipe:
             return set()  # refused where it is read
         first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run

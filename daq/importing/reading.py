@@ -78,10 +78,10 @@ class Look:
         try:
             made = apply(self.table, proposal.recipe)
         except NoClock as refusal:
-            settled = bool(refusal.remedy)
-            if accept and not settled:
+            recipe = refusal.mended(proposal.recipe)
+            settled = recipe != proposal.recipe
+            if not settled and (accept or refusal.remedy):
                 raise
-            recipe = proposal.recipe.model_copy(update=dict(refusal.remedy))
             doubt = (
                 () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
             )

@@ -18,7 +18,15 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
 
 from daq.importing.errors import problem
 from daq.importing.limits import LONGEST_NAME, MAX_COLUMNS, MAX_LINES, MAX_RECIPE, require_size
@@ -33,6 +41,13 @@ Format = Literal["text", "serial", "json", "matlab", "uff"]
 Name = Annotated[Line, Field(max_length=LONGEST_NAME)]
 Row = Annotated[int, Field(ge=1, le=MAX_LINES)]
 Rate = Annotated[float, Field(gt=0.0, lt=1e9)]
+SPELLED: Final = {"tab": "\t", "\\t": "\t", "blank": " ", "space": " "}
+
+
+def _sign(said: str) -> str:
+    if len(sign := SPELLED.get(said, said)) != 1:
+        raise ValueError(f"the delimiter must be one character, 'tab' or 'blank', not {said[:40]!r}")
+    return sign
 
 
 class _Part(BaseModel):
@@ -51,7 +66,7 @@ class Dialect(_Part):
     header_join: str = Field(default=" ", alias="headerJoin", max_length=8)
     comment_rows: tuple[Row, ...] = Field(default=(), alias="commentRows")
     comment_char: str | None = Field(default=None, alias="commentChar", min_length=1, max_length=8)
-    delimiter: str | None = Field(default=None, min_length=1, max_length=1)
+    delimiter: Annotated[str, AfterValidator(_sign)] | None = None
     decimal_char: Literal[".", ","] | None = Field(default=None, alias="decimalChar")
     property: str | None = Field(default=None, max_length=LONGEST_NAME)
     item_keys: tuple[Name, ...] = Field(default=(), alias="itemKeys", max_length=MAX_COLUMNS)

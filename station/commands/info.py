@@ -14,9 +14,12 @@ def command(
     as_json: bool = JSON,
 ) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
+    from identify.errors import NotIdentifiable
     from identify.formatting import plain_name
+    from identify.preprocessing.release import find_releases
     from station.operations.current_model import current_model
     from station.results.sessions import open_session
+    from station.story.preparation import Options, free_decay
     from station.text.content import Told, facts
     from station.text.layout import answer
 
@@ -50,7 +53,12 @@ def command(
     steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
     missing = [command for name, command in steps.items() if name not in document["results"]]
     step = "report" if "ladder.json" in document["results"] or not missing else missing[0]
-    answer(as_json, document, words, step, opened.folder)
+    following = [step, str(opened.folder)]
+    try:
+        find_releases(free_decay(recording, Options()))
+    except NotIdentifiable:  # nothing can be made of it
+        following = []
+    answer(as_json, document, words, *following)
 
 
 def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, str]]:

@@ -52,13 +52,16 @@ def command(
     from dataclasses import replace
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
-    from station.results.ladder import ladder_document, write_ladder
+    from station.results.documents import seen
+    from station.results.ladder import LADDER, ladder_document, write_ladder
     from station.results.sessions import open_session
     from station.story.preparation import weighing_of
     from station.text.ladder_text import next_command, told
     from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
+    if wanted or reset or model_file is not None or seen(opened, LADDER) is None:
+        opened.require_writable()
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
     ladder = refinement.ladder
     for name in added:

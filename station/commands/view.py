@@ -29,6 +29,7 @@ def command(
     from station.views import viewer
 
     opened = open_session(session, settings.sessions)
+    opened.require_writable()
     result, _ = identify_session(opened, kept_options(opened, settings))
     file = write_view(opened, result, kept_tabs(opened, settings))
     document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}

@@ -6,12 +6,13 @@ from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.current_model import current_model
 from station.operations.record_floor import with_floor
+from station.output import progress
 from station.own_effects import whole_library
 from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
 from station.results.documents import keep_document
 from station.settings import Settings
 from station.story.compared import Compared
-from station.story.pipeline import compare
+from station.story.pipeline import Progress, compare
 from station.story.preparation import prepare_session
 
 
@@ -23,15 +24,18 @@ def compare_session(
     *,
     mass: float | None = None,
     prepared: PreparedDecay | None = None,
+    tell: Progress = progress,
 ) -> tuple[Compared, ComparisonDocument]:
     """Compare a session with its current model, or that of a file; write results/comparison.json.
 
-    `mass` (kg) replaces the session's; `prepared` is its release, where it was prepared before. Returns the comparison
-    and its document.
+    `mass` (kg) replaces the session's; `prepared` is its release, where it was prepared before. `tell` gets a sentence
+    where the session may not be written. Returns the comparison and its document.
     """
-    prepared = prepared or with_floor(session, prepare_session(session, settings, mass=mass))
+    if prepared is None or mass is not None:
+        prepared = with_floor(session, prepare_session(session, settings, mass=mass))
     current = current_model((session,), model_file, whole_library(effects_file))
     compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)
-    keep_document(session, NAME, document)
+    if note := keep_document(session, NAME, document):
+        tell(note)
     return compared, document

@@ -5,12 +5,13 @@ from pathlib import Path
 from identify.comparison.other_benches import OTHER_BENCH, other_benches
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.fitting.validation import leave_one_out
+from station import output
 from station.exits import UsageProblem
 from station.operations.current_model import current_model
 from station.operations.session_set import SessionSet
 from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
-from station.results.documents import write_document
+from station.results.documents import keep_document
 from station.story.known_model import KnownModel
 from station.story.pipeline import Progress, silent
 
@@ -65,7 +66,8 @@ def diagnose_sessions(
     return found, document.model_copy(update=of_sessions | said)
 
 
-def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:
-    """Write results/diagnosis.json into each session."""
+def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress = output.progress) -> None:
+    """Write results/diagnosis.json into each session; `tell` gets a sentence on each that may not be written."""
     for session in sessions.sessions:
-        write_document(session, NAME, document)
+        if note := keep_document(session, NAME, document):
+            tell(note)

@@ -47,7 +47,8 @@ def identify_session(
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
-    keep_document(session, NAME, document)
+    if note := keep_document(session, NAME, document):
+        progress(note)
     return result, document
 
 

@@ -18,7 +18,7 @@ from station.operations.session_curves import diagnosed_beside, opened_or_none, 
 from station.operations.session_set import by_reason, declared, of_each, opened_once
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
-from station.results.documents import write_document
+from station.results.documents import keep_document
 from station.results.ladder import read_ladder
 from station.results.models import ModelFile, known_model, read_model_file
 from station.results.sessions import open_session
@@ -79,7 +79,8 @@ def validate_sessions(
     fitted_to = tuple(session.folder.name for session in given.fitted_to)
     document = validation_document(given.source, fitted_to, given.file, found, names, skipped)
     for session, _ in ready:
-        write_document(session, NAME, document)
+        if note := keep_document(session, NAME, document):
+            progress(note)
     return document
 
 

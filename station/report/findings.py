@@ -24,7 +24,7 @@ from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.pipeline import Progress, compare
+from station.story.pipeline import Progress, compare, silent
 from station.story.preparation import Options, prepare_session
 
 
@@ -62,14 +62,14 @@ def gather(
         found.identification, _ = identify_session(session, found.options, progress)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
         progress("comparing the current model")
-        found.compared, _ = compare_session(session, settings, mass=mass)
+        found.compared, _ = compare_session(session, settings, mass=mass, tell=silent)
     if diagnose:
         with _or_say_why(found, "suspects", NotIdentifiable):
             sessions = SessionSet((session,), (with_floor(session, prepare_session(session, settings)),))
-            _, document = diagnose_sessions(sessions, progress=progress)
-            keep(sessions, document)
+            _, found.diagnosis = diagnose_sessions(sessions, progress=progress)
+            keep(sessions, found.diagnosis, silent)  # told where it was identified
     with _or_say_why(found, "suspects", UsageProblem):
-        found.diagnosis = read_diagnosis(session)
+        found.diagnosis = found.diagnosis or read_diagnosis(session)
     _say_what_was_refused(found)
     _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):

@@ -1,7 +1,6 @@
 """The base of all kept documents: numbers that JSON can hold, a version, one way to read and one to write."""
 
 import math
-from functools import cache
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
@@ -11,7 +10,6 @@ from daq.errors import NotWritable, StorageError
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
-from station.output import progress
 from station.story.residual import noise_multiple, residual_words
 
 LARGEST = 50 << 20
@@ -142,22 +140,13 @@ def read_with_checksum(session: Session, name: str, kind: type[Kept], remedy: st
         ) from error
 
 
-def write_document(session: Session, name: str, document: Document) -> None:
-    """Write a result into a session, whatever stands there."""
-    session.write_result(name, to_text(document))
-
-
-def keep_document(session: Session, name: str, document: Document) -> None:
-    """Write a result that is told all the same where the session may not be written; a note says so once."""
+def keep_document(session: Session, name: str, document: Document) -> str | None:
+    """Write a result, whatever stands there; where the session may not be written, return a sentence to tell with it."""
     try:
-        write_document(session, name, document)
+        session.write_result(name, to_text(document))
     except NotWritable as error:
-        _note(f"note: {error}; what is found is not kept")
-
-
-@cache
-def _note(text: str) -> None:
-    progress(text)
+        return f"note: {error}; what is found is not kept"
+    return None
 
 
 def to_text(document: BaseModel) -> str:

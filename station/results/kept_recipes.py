@@ -61,6 +61,9 @@ def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
             continue
         if recipe.confirmed and recipe.fields:
             parts = () if any(part != Part() for part in recipe.parts) else recipe.parts
-            general = recipe.model_copy(update={"parts": parts, "runs": ()})
+            # A rate beside a column of times is that of these very stamps.
+            stamped = any(field.role in ("time", "time_step") for field in recipe.fields)
+            rate = None if stamped else recipe.rate
+            general = recipe.model_copy(update={"parts": parts, "runs": (), "rate": rate})
             found.setdefault(general.model_dump_json(), (place, general))
     return list(found.values())

@@ -14,6 +14,7 @@ from daq.importing.propose import Doubtful
 from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe, to_toml
 from daq.importing.resampling import cut
+from daq.manifest import NAME as MANIFEST
 from daq.recording import Recording
 from daq.session import Session, verify
 from daq.session_info import SessionInfo
@@ -62,8 +63,11 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     session = Session.open(known[0])
     found = verify(session.folder)
     if not found.ok:
-        wrong = f"does not agree with its manifest ({found.problems[0]}), so what follows may be wrong"
-        progress(f"warning: {session.folder.name} {wrong}; see `{command_line('verify', session.folder)}`")
+        wrong, look = "is not sealed: it is still being recorded, or was cut off", "recover"
+        if (session.folder / MANIFEST).exists():
+            wrong, look = f"does not agree with its manifest ({found.problems[0]})", "verify"
+            wrong += ", so what follows may be wrong"
+        progress(f"warning: {session.folder.name} {wrong}; see `{command_line(look, session.folder)}`")
     return session
 
 
@@ -126,10 +130,7 @@ def import_file(
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
-    general = {"confirmed": confirmed, "stated": stated(look.table), "rate": look.proposal.recipe.rate}
-    used = to_toml(
-        read.recipe.model_copy(update=general)
-    )  # a rate is kept where it was stated, not that of these stamps
+    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed, "stated": stated(look.table)}))
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made: list[Session] = []
     for name, part in pieces:
@@ -139,7 +140,7 @@ def import_file(
             made.append(Session.create_imported(where, part, file, known, used))
         except StorageError as error:
             left = ", ".join(str(session.folder) for session in made) or "nothing"
-            raise type(error)(f"the import failed, and {left} was kept: {error}") from error
+            raise type(error)(f"the import failed, and {left} was kept: {error}", error.session) from error
     return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
 
 

@@ -77,7 +77,5 @@ def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
 
 def _goes_on(amplitude: Array, largest: float) -> bool:
     """Check whether the motion does not die away."""
-    if not len(amplitude):
-        return True
     before, end = (float(half.max()) for half in np.array_split(amplitude, 6)[-2:])
     return float(amplitude[-1]) > DECAYED * largest or (end > LEFT * largest and end > HELD * before)

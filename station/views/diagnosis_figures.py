@@ -50,14 +50,14 @@ def _reach(found: ForceMap) -> float:
     return float(np.nanmax(values)) if np.isfinite(values).any() and np.nanmax(values) > 0 else 1.0
 
 
-def shape(curve: CurveDocument) -> Picture:
-    """Draw the free form of a force that has no name, with two standard errors."""
+def shape(curve: CurveDocument, unit: str) -> Picture:
+    """Draw the free form of a force that has no name, with two standard errors; `unit` is that of the displacement."""
     position, force, std = (
         np.array(one, dtype=float) for one in (curve.position, curve.force_per_mass, curve.std)
     )
     drawn, axis = _along(position, force, std, curve.unit, PAPER)
     axis.set_xlabel(literal(f"{curve.coordinate} {axis.get_xlabel()}"))
-    axis.set_ylabel(f"missing {per_mass(curve.unit)}\n(band: 2 std. errors)")
+    axis.set_ylabel(f"missing {per_mass(unit)}\n(band: 2 std. errors)")
     return drawn
 
 

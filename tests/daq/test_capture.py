@@ -262,6 +262,7 @@ def test_a_folder_that_vanishes_costs_nothing(tmp_path: Path) -> None:
     session = capture(ScriptedBoard(SAMPLES), SETTINGS, tmp_path / "s", witness, fallback)
     assert session.folder == tmp_path / "t"
     assert "its folder vanished" in str(asked[0])
+    assert str(asked[0]).endswith("; the recording is held in memory")
     assert np.array_equal(session.recording().samples, SAMPLES[:, 445 : 445 + 9 * 256])
     assert verify(tmp_path / "t").ok
 

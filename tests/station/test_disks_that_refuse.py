@@ -48,12 +48,29 @@ def test_of_a_session_that_may_not_be_written_results_are_told_and_not_kept(here
         raise refused(lock.path, OSError(errno.EROFS, os.strerror(errno.EROFS)))
 
     monkeypatch.setattr(Lock, "acquire", read_only)
-    for line in (["identify", "decay"], ["compare", "decay"], ["report", "decay", "--output", "page.html"]):
+    written = ["report", "decay", "--diagnose", "--output", "page.html"]
+    for line in (["identify", "decay"], ["compare", "decay"], ["diagnose", "decay"], written):
         assert run(line) == 0
-    assert capsys.readouterr().err.count("what is found is not kept") == 1
-    assert (here / "page.html").stat().st_size > 10_000
+        told = capsys.readouterr()
+        assert told.out
+        assert told.err.count("what is found is not kept") == 1
+    page = (here / "page.html").read_text(encoding="utf-8")
+    assert len(page) > 10_000
+    assert "no diagnosis was made" not in page
+    assert run(["refine", "decay", "--auto"]) == run(["refine", "decay"]) == run(["view", "decay"]) == 7
+    assert not capsys.readouterr().out
     assert not list((here / "sessions" / "decay" / "results").iterdir())
     assert run(["report", "decay"]) == 7
+
+
+def test_a_session_that_is_not_sealed_is_not_said_to_disagree_with_a_manifest(here, capsys):
+    assert run(["import", "decay.csv"]) == 0
+    (here / "sessions" / "decay" / "manifest.json").unlink()
+    capsys.readouterr()
+    run(["compare", "decay"])
+    first = capsys.readouterr().err.splitlines()[0]
+    assert first.startswith("warning: decay is not sealed: it is still being recorded, or was cut off; see `")
+    assert "station recover sessions/decay" in first
 
 
 @pytest.mark.skipif(os.name == "nt", reason="file size limits are POSIX")

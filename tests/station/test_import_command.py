@@ -162,8 +162,31 @@ def test_a_rate_that_only_the_stamps_of_one_file_gave_is_not_kept(capsys):
         written(name, "t (s),x (mm)", scale * np.repeat(np.cumsum(steps), 5), 9.0 * DECAY)
     answer = imported(capsys, "first.csv", "--accept")
     assert "in place of the time stamps" in " ".join(answer["notes"])
-    assert "rate =" not in (Path(answer["sessions"][0]) / "recipe.toml").read_text(encoding="utf-8")
+    again = imported(capsys, "first.csv", "--recipe", f"{answer['sessions'][0]}/recipe.toml")
+    assert again["rate_hz"] == answer["rate_hz"]
     assert run(["import", "second.csv"]) == 2
+
+
+def test_of_a_file_of_one_recording_no_run_is_to_be_named(capsys):
+    written("one.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    assert run(["import", "one.csv", "--run", "2"]) == 2
+    assert "has no run '2'; it holds one recording: leave --run out" in capsys.readouterr().err
+
+
+def test_a_delimiter_of_two_characters_gets_a_sentence(capsys):
+    written("one.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    assert run(["import", "one.csv", "--delimiter", "ab"]) == 2
+    assert "the delimiter must be one character, 'tab' or 'blank', not 'ab'" in capsys.readouterr().err
+
+
+def test_after_an_import_without_a_release_info_proposes_nothing_that_refuses(capsys):
+    written("noise.csv", "t (s),x (mm)", T, np.random.default_rng(3).standard_normal(N))
+    written("decay.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    for name, proposed in (("noise", False), ("decay", True)):
+        assert run(["import", f"{name}.csv"]) == 0
+        capsys.readouterr()
+        assert run(["info", name]) == 0
+        assert ("next: station identify" in capsys.readouterr().out) is proposed
 
 
 @pytest.mark.parametrize("folder", ["", "."])

@@ -13,7 +13,7 @@ from identify.estimate import Estimate
 from identify.model.model import base_model
 from station.exits import UsageProblem
 from station.results.diagnosis_document import NAME, read_diagnosis, refused_document
-from station.results.documents import EstimateDocument, write_document
+from station.results.documents import EstimateDocument, keep_document
 from station.results.identification_document import IdentificationDocument, identification_document
 
 DOCUMENT = refused_document(("a", "b"), base_model(), "two cycles are too few")
@@ -31,7 +31,7 @@ def test_a_session_without_a_diagnosis_has_none(session):
 
 
 def test_a_diagnosis_comes_back_as_it_was_written(session):
-    write_document(session, NAME, DOCUMENT)
+    assert keep_document(session, NAME, DOCUMENT) is None
     assert read_diagnosis(session) == DOCUMENT
     assert json.loads((session.results / NAME).read_text())["format"] == 1
 

@@ -13,6 +13,7 @@ from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.report.loop import suspects
 from station.results.diagnosis_document import read_diagnosis
+from station.results.diagnosis_parts import CurveDocument
 from station.settings import Settings
 from station.views import diagnosis_figures
 
@@ -75,6 +76,12 @@ def test_a_rival_is_laid_over_in_place_of_what_was_named(kept):
     rivals = [laid.law for laid in shown.curves.laws if laid.law.role == "rival"]
     assert [law.name for law in rivals] == ["quintic_stiffness", "settling_stiffness"]
     assert all("cubic_stiffness" not in law.model for law in rivals)
+
+
+def test_the_free_form_of_a_pendulum_over_time_is_a_torque():
+    curve = CurveDocument(coordinate="time", unit="s", position=[0, 1], force_per_mass=[0, 1], std=[0, 0])
+    for unit, word in (("rad", "torque"), ("m", "force")):
+        assert f"missing {word} per unit" in diagnosis_figures.shape(curve, unit).axes[0].get_ylabel()
 
 
 def test_the_report_shows_what_was_found(kept):

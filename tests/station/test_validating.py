@@ -9,8 +9,10 @@ import pytest
 from many_sessions import make_noise, make_session
 from rich.console import Console
 
+from daq.errors import NotWritable
 from daq.recording import Channel, Recording
 from daq.session import Session
+from daq.storage import Lock
 from mocks.generate import draw
 from station import exits
 from station.cli import run
@@ -96,6 +98,17 @@ def test_the_true_model_in_a_file_predicts_better_and_what_is_too_short_is_skipp
     kept = read_document(Session.open(bench / "sessions" / "b"), NAME, ValidationDocument, "")
     assert kept.plain() == found
     assert not (bench / "sessions" / "short" / "results" / NAME).exists()
+
+
+def test_of_a_session_that_may_not_be_written_the_prediction_is_told_all_the_same(bench, capsys, monkeypatch):
+    def read_only(lock, wait_s=0.2):
+        raise NotWritable("the disk is read-only")
+
+    monkeypatch.setattr(Lock, "acquire", read_only)
+    assert run(["validate", "right.json", "c", "--json"]) == exits.DONE
+    said = capsys.readouterr()
+    assert json.loads(said.out)["better"] == 1
+    assert said.err.count("note: the disk is read-only; what is found is not kept") == 1
 
 
 def test_a_wrong_model_predicts_worse_and_that_is_no_failure(bench, capsys):

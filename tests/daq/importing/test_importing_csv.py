@@ -136,7 +136,9 @@ def test_text_in_a_column_that_nobody_needs_does_no_harm(tmp_path: Path) -> None
 def test_a_row_with_too_many_cells_is_reported_by_line(tmp_path: Path) -> None:
     lines = table("time_s,displacement_m", T, U).splitlines()
     lines[10] += ",5"
-    assert "line 11: this row has 3 cells" in refusal(tmp_path, "\n".join(lines))
+    assert "line 11: this row has 3 cells where most have 2; repair" in refusal(tmp_path, "\n".join(lines))
+    lines[11] += ",5"
+    assert "where most have 2, and 1 more are like it; repair" in refusal(tmp_path, "\n".join(lines))
 
 
 def test_a_file_cut_off_in_its_last_row_is_read_to_there(tmp_path: Path) -> None:

@@ -292,6 +292,23 @@ def test_json_of_a_record_a_line_and_of_channels_is_read(tmp_path: Path) -> None
     )
 
 
+@pytest.mark.parametrize(
+    ("keys", "unit", "label"),
+    [
+        (("name", "unit"), "mm", "x (mm)"), (("name", "unit"), None, "x"), (("name", "unit"), "", "x"),
+        (("label", "units"), "mm", "x (mm)"), (("Name", "Unit"), "mm", "x (mm)"), (("Label", "Units"), "mm", "x (mm)"),
+    ],
+)  # fmt: skip
+def test_json_channels_name_themselves_and_their_units_by_any_of_the_usual_keys(
+    tmp_path: Path, keys: tuple[str, str], unit: str | None, label: str
+) -> None:
+    name, of = keys
+    channels = [{name: "t", of: "s", "data": T.tolist()}, {name: "x", of: unit, "data": X.tolist()}]
+    recording = load(tmp_path, json.dumps({"channels": channels}), "a.json")
+    assert [channel.name for channel in recording.channels] == [label]
+    np.testing.assert_allclose(recording.samples[0], X * (1e-3 if unit else 1.0), rtol=1e-9, atol=1e-12)
+
+
 def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_path: Path) -> None:
     rows = [[t, None if i == 7 else x] for i, (t, x) in enumerate(ROWS)]
     recording = load(tmp_path, json.dumps({"columns": ["t", "x"], "data": rows}), "a.json")

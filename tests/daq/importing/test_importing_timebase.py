@@ -6,6 +6,11 @@ import numpy as np
 import pytest
 from import_files import OMEGA, load, refusal, said, swing, table
 
+from daq.importing import ImportOptions
+from daq.importing.no_clock import NoClock
+from daq.importing.reading import look_at
+from daq.importing.recipe import Part, Recipe
+
 T, U, V, A = swing(400)
 HEADER = "time_s,displacement_m"
 
@@ -218,6 +223,27 @@ def test_after_a_gap_another_clock_is_left_out_and_said_or_proposed(tmp_path: Pa
     half = "\n".join(text.splitlines()[:1] + text.splitlines()[211:])
     assert "line 92" in refusal(tmp_path, half)
     assert load(tmp_path, half, accept=True).rate == pytest.approx(50.0, rel=1e-6)
+
+
+def test_of_a_part_that_the_operator_chose_a_gap_moves_only_the_end_that_is_open(tmp_path: Path) -> None:
+    text = changing()
+    recording = load(tmp_path, text, start=9.3)
+    assert recording.samples.shape[1] == 200
+    used = look_at(tmp_path / "a.csv", ImportOptions(start=9.3)).read().recipe
+    assert [(part.start, part.stop) for part in used.parts] == [(9.3, pytest.approx(13.28))]
+    assert "--to 13.28 leaves out what is after" in refusal(tmp_path, text, start=9.3, stop=20.0)
+    both = Recipe(parts=(Part(start=7.3, stop=9.0), Part(start=9.3, stop=20.0)))
+    at_the_gap = NoClock("a.csv", "a gap", {"parts": (Part(stop=13.28),)})
+    assert at_the_gap.mended(both) == both
+
+
+def test_rows_that_the_operator_cuts_off_refuse_nothing(tmp_path: Path) -> None:
+    """After 5 s the stamps jump back by 2.5 s, which only a recipe could explain."""
+    t, x = np.arange(400) / 50.0, np.cos(np.arange(400) / 8.0)
+    jumping = np.where(t < 5.0, t, t - 2.5)
+    text = table("t (s),x (m),v (m/s)", jumping, x, np.gradient(x, t))
+    assert "jumps back" in refusal(tmp_path, text)
+    assert load(tmp_path, text, stop=2.4).samples.shape == (2, 121)
 
 
 def test_no_spline_is_drawn_through_stamps_that_are_mostly_equal(tmp_path: Path) -> None:
