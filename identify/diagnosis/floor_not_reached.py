@@ -1,7 +1,7 @@
 """The judgement where the noise floor is not reached, or is only a guess.
 
 Chi-square alone names nothing there. An effect is named if it predicts what it was not fitted to; or one force whose
-simulation leaves almost no residual, where the curves cannot decide. The strength of either must be clear of none.
+simulation leaves almost no residual, where the curves cannot decide. Its strength must be clear of none, unless the amplitude beats.
 
 A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 
@@ -126,8 +126,8 @@ def _by_free_run(
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
-    time, leaves next to nothing of what the model left. A line follows any motion for a while, and no implausible effect
-    may leave less.
+    time, leaves next to nothing of what the model left, and its strength is clear of none. A line follows any motion for a
+    while, and no implausible effect may leave less.
     """
     best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
     if best is None or not best.plausible or best.term.effect.kind != "physics" or best.term.effect.line:
@@ -137,7 +137,7 @@ def _by_free_run(
     beats = found is not None and found.beats and not found.has_law(best.name)
     second = beats and left < _LINE_LEAVES
     all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
-    if not (second or all_of_it) or not is_clear(final, term):
+    if not second and not (all_of_it and is_clear(final, term)):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     named = (replace(best, claimed=True), *rest)
