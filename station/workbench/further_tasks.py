@@ -82,8 +82,7 @@ def open_example(settings: Settings, say: Say, name: str) -> str:
 def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: str, dark: bool) -> str:
     """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
     session = Session.open(folder)
-    say("identifying")
-    result, _ = identify_session(session, kept_options(session, settings))
+    result, _ = identify_session(session, kept_options(session, settings), say)
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
     if not (temporary / "index.html").is_file():

@@ -112,12 +112,13 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
     opened = open_session(settings, folder)
     refinement = opened.refinement
     session = refinement.session
+    session.require_writable()
     sessions = SessionSet((session,), (refinement.prepared,))
     if others:
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         check_same_bench(sessions, False, say)
     _, document = diagnose_sessions(sessions, current_model((session,)), None, say, say)
-    keep(sessions, document)
+    keep(sessions, document, say)
     return _view(settings, opened, refinement.ladder)
 
 
@@ -132,7 +133,7 @@ def complete(
     refinement, words = opened.refinement, ""
     if not compared:
         with contextlib.suppress(Problem, NotIdentifiable):
-            found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared)
+            found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
             words = found.comparison.summary
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))

@@ -38,7 +38,7 @@ def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
     say("comparing with the measurement")
     refinement, look = open_session(settings, folder).refinement, PAGE[dark]
-    found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared)
+    found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
     words, document, kept = comparison_text.told(found), kept_diagnosis(refinement.session), None
     if document is not None:
         with suppress(UsageProblem):  # an effect of a file that is not at hand
@@ -64,13 +64,13 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
     """Tell what both methods find in a session, beside others in the tables; those that hold too little say why."""
     say(f"identifying {folder.name}")
     session = Session.open(folder)
-    result, document = identify_session(session, kept_options(session, settings))
+    result, document = identify_session(session, kept_options(session, settings), say)
     documents, left_out, unit = [document], [], document.record.unit
     for place, other in enumerate(others):
         say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
             beside = Session.open(other)
-            found = identify_session(beside, kept_options(beside, settings))[1]
+            found = identify_session(beside, kept_options(beside, settings), say)[1]
         except (NotIdentifiable, Problem) as refusal:
             left_out.append((other.name, f"left out: {refusal}"))
             continue
