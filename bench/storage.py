@@ -49,8 +49,11 @@ class Relay:
         self._board.settimeout(0.3)
         end = time.monotonic() + 5
         try:
-            while time.monotonic() < end and self._board.recv(4096):
-                pass
+            while self._board.recv(4096):
+                if time.monotonic() > end:
+                    raise RuntimeError(
+                        "the board of this bench does not stop: its samples would be the next capture's"
+                    )
         except TimeoutError:
             pass  # quiet at last
         self._board.settimeout(None)

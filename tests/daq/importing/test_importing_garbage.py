@@ -28,7 +28,7 @@ CHOICES = st.sampled_from(
 )
 
 
-def attempt(folder: Path, content: bytes, options: ImportOptions | None = None) -> Recording | None:
+def assert_harmless(folder: Path, content: bytes, options: ImportOptions | None = None) -> Recording | None:
     """Import the bytes; anything but a recording or a sentence of one line fails the test."""
     path = folder / "fuzz.dat"
     path.write_bytes(content)
@@ -54,7 +54,7 @@ def attempt(folder: Path, content: bytes, options: ImportOptions | None = None) 
 @FUZZ
 @given(content=st.binary(max_size=3000), options=CHOICES)
 def test_random_bytes_do_no_harm(tmp_path: Path, content: bytes, options: ImportOptions) -> None:
-    attempt(tmp_path, content, options)
+    assert_harmless(tmp_path, content, options)
 
 
 CELLS = st.one_of(
@@ -96,7 +96,7 @@ def test_tables_of_anything_do_no_harm(
     tmp_path: Path, rows: list[list[str]], delimiter: str, header: str, options: ImportOptions
 ) -> None:
     text = header + "\n" + "\n".join(delimiter.join(row) for row in rows)
-    attempt(tmp_path, text.encode("utf-8", errors="replace"), options)
+    assert_harmless(tmp_path, text.encode("utf-8", errors="replace"), options)
 
 
 @FUZZ
@@ -109,7 +109,7 @@ def test_tables_of_any_numbers_do_no_harm(
     tmp_path: Path, numbers: list[tuple[float, float]], sort: bool, options: ImportOptions
 ) -> None:
     rows = sorted(numbers) if sort else numbers
-    attempt(
+    assert_harmless(
         tmp_path, ("time_s,displacement_m\n" + "\n".join(f"{a!r},{b!r}" for a, b in rows)).encode(), options
     )
 
@@ -127,7 +127,7 @@ BYTES = st.lists(st.tuples(st.integers(0, 1 << 20), st.integers(0, 255)), max_si
 @FUZZ
 @given(places=BYTES, cut=st.integers(0, 4000))
 def test_a_mangled_table_does_no_harm(tmp_path: Path, places: list[tuple[int, int]], cut: int) -> None:
-    attempt(tmp_path, mangled(GOOD, places, cut))
+    assert_harmless(tmp_path, mangled(GOOD, places, cut))
 
 
 def matlab_file(compressed: bool) -> bytes:
@@ -141,7 +141,7 @@ def matlab_file(compressed: bool) -> bytes:
 def test_a_mangled_matlab_file_does_no_harm(
     tmp_path: Path, places: list[tuple[int, int]], cut: int, compressed: bool
 ) -> None:
-    attempt(tmp_path, mangled(matlab_file(compressed), places, cut))
+    assert_harmless(tmp_path, mangled(matlab_file(compressed), places, cut))
 
 
 @FUZZ
@@ -152,7 +152,7 @@ def test_a_mangled_universal_file_does_no_harm(
     from test_importing_uff58 import trace, universal
 
     changes = {"x": T, "binary": binary}
-    attempt(
+    assert_harmless(
         tmp_path, mangled(universal(tmp_path, trace(U, 8, **changes), trace(A, 12, **changes)), places, cut)
     )
 
@@ -180,7 +180,7 @@ def test_a_mangled_universal_file_does_no_harm(
     ],
 )
 def test_odd_shapes_do_no_harm(tmp_path: Path, content: bytes) -> None:
-    assert attempt(tmp_path, content) is None
+    assert assert_harmless(tmp_path, content) is None
 
 
 VALUES = st.recursive(
@@ -194,8 +194,8 @@ VALUES = st.recursive(
 @given(document=VALUES, key=st.sampled_from(["data", "t", "dt", "fs", "units", "x units"]))
 def test_any_json_is_read_or_refused_in_a_sentence(tmp_path: Path, document: object, key: str) -> None:
     rows = [[0.01 * i, 0.02 * (-1) ** i] for i in range(20)]
-    attempt(tmp_path, json.dumps(document).encode())
-    attempt(tmp_path, json.dumps({"columns": ["t", "x"], "signal": rows, key: document}).encode())
+    assert_harmless(tmp_path, json.dumps(document).encode())
+    assert_harmless(tmp_path, json.dumps({"columns": ["t", "x"], "signal": rows, key: document}).encode())
 
 
 NAMES = st.sampled_from(
@@ -231,7 +231,7 @@ def test_any_names_over_any_columns_do_no_harm(tmp_path: Path, data: st.DataObje
         ";".join("" if kind == "holes" and i > 40 else f"{made[kind][i]:.9g}" for kind in kinds)
         for i in range(60)
     ]
-    attempt(tmp_path, "\n".join([";".join(names), *rows]).encode())
+    assert_harmless(tmp_path, "\n".join([";".join(names), *rows]).encode())
 
 
 FIELDS = st.fixed_dictionaries(
