@@ -218,13 +218,13 @@ class _Capture:
         self._stream.take_to(stop, 2 * settings.duration_s + 5)
 
     def _ask_again(self) -> None:
-        """Ask for samples that the wire lost, three times at most, and for those that the checksum needs beside them.
+        """Ask for samples that the wire lost, and for those that the checksum needs beside them.
 
-        A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
+        Ends when three rounds in a row bring nothing, or after `RESEND_FOR_S`. A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
         further.
         """
         assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
-        unanswered, checkable = 0, True
+        unanswered, checkable, in_vain = 0, True, 0
 
         def over() -> bool:
             return unanswered >= RESEND_ROUNDS or time.monotonic() >= until
@@ -240,7 +240,7 @@ class _Capture:
             unanswered = 0 if came or held is not None else unanswered + 1
             return held
 
-        for _ in range(RESEND_ROUNDS):
+        while in_vain < RESEND_ROUNDS:
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
             beside = _beside(assembly) if checkable else []
             if over() or not (lost or beside):
@@ -249,7 +249,9 @@ class _Capture:
             before = assembly.samples.received
             refused = [hole for hole in lost if ask(hole) is False]
             checkable = not refused and all(ask(hole) is not False for hole in beside)
-            self._resent += assembly.samples.received - before
+            came = assembly.samples.received - before
+            self._resent += came
+            in_vain = 0 if came else in_vain + 1
             if refused == lost and not checkable:
                 return
 
