@@ -220,8 +220,8 @@ class _Capture:
     def _ask_again(self) -> None:
         """Ask for samples that the wire lost, and for those that the checksum needs beside them.
 
-        Ends when three rounds in a row bring nothing, or after `RESEND_FOR_S`. A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
-        further.
+        Ends when three rounds in a row bring nothing, or after `RESEND_FOR_S`. A board that no longer holds one of the
+        latter, or answers three requests in a row with nothing, is asked no further.
         """
         assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
         unanswered, checkable, in_vain = 0, True, 0
