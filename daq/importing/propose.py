@@ -223,8 +223,7 @@ def _derived(
         first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
         return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
-    uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
-    stamps = clock.stamps if uneven and not clock.coarse else None
+    stamps = clock.stamps if clock.stray_rms * clock.rate > EVEN else None
     steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
     drop: set[str] = set()
     for source, target, order in DERIVATIVES:
