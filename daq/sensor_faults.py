@@ -70,7 +70,7 @@ def sensor_faults(recording: Recording, assembly: Assembly | None = None) -> Sen
     flagged: list[FlaggedRun] = []
     for number, channel in enumerate(recording.channels):
         masks = {flag: np.zeros(len(recording.valid), dtype=np.bool_) for flag in Flag}
-        moving, steps = 0, ()
+        moving, steps = 0, tuple[Step, ...]()
         if number in looked:
             course = looked[number]
             moving = int(course.moving.sum())

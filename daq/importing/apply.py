@@ -282,18 +282,9 @@ def clock_of(
         said = "as given" if time is None else "in place of the time stamps"
         return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, {said}")
     if time is None:
-        rates = {r.column.rate for r in readings.values() if r.column.rate is not None}
-        if len(rates) > 1:
-            said = ", ".join(f"{rate:g} Hz" for rate in sorted(rates))
-            raise problem(
-                table.path,
-                f"the channels have different rates ({said})",
-                "leave one out with --column ...=none",
-            )
-        rate, source = (rates.pop(), "the file") if rates else (table.rate, table.rate_source)
-        if rate is None:
+        if table.rate is None:
             raise NoClock(table.path.name, NO_RATE, {})
-        return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
+        return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
     time.in_si(table, "time")  # refuses what is no time at all
     unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
     try:

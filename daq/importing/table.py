@@ -34,7 +34,6 @@ class SourceColumn:
     bad: tuple[int, str] | None = None
     clock: bool = False
     noun: str = "column"
-    rate: float | None = None
     gravity: bool = False
     wraps: float | None = None
     arc: tuple[int, int] | None = None
