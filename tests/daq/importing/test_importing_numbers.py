@@ -31,7 +31,9 @@ def test_an_empty_cell_is_not_a_number(text: str) -> None:
     assert math.isnan(number)
 
 
-@pytest.mark.parametrize("text", ["abc", "1_000", "0x10", "1.2.3", "1,500", "1 2", "9" * 70, "12 mm", "1,234.5", "12 345"])
+@pytest.mark.parametrize(
+    "text", ["abc", "1_000", "0x10", "1.2.3", "1,500", "1 2", "9" * 70, "12 mm", "1,234.5", "12 345"]
+)
 def test_anything_else_is_refused(text: str) -> None:
     assert parse_number(text) is None
 
