@@ -35,7 +35,7 @@ WORDS = {
     Flag.SATURATED: ("is cut off flat", "a smaller release, or a wider range of {}"),
     Flag.WRAPPED: (
         "wraps round from one end of its range to the other",
-        "a smaller release, or a wider range of {}",
+        "a smaller release, or a wider range of {}; of a file, `wraps` in its recipe, as wraps = 360",
     ),
     Flag.SPIKE: ("leaps away from its neighbours", "look for a loose contact or interference on {}"),
 }
