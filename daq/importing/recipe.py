@@ -1,16 +1,6 @@
-"""A recipe: how a file is to be read, as people write it and as an import keeps it.
+"""A recipe: how a file is to be read, as people write it and as an import keeps it (docs/importing.md shows one).
 
-Words of the Data Package standard (Table Dialect 2.0, Table Schema) where it has them; TOML on disk:
-
-    recipe = 1
-    rate = 100.0
-    fields = [
-      {name = "Position (mm) Run #1", role = "displacement", unit = "mm", run = "1"},
-      {name = "Position (mm) Run #2", role = "displacement", unit = "mm", run = "2"},
-    ]
-    [dialect]
-    delimiter = ";"
-    decimalChar = ","
+Words of the Data Package standard (Table Dialect 2.0, Table Schema) where it has them; TOML on disk.
 """
 
 import json
