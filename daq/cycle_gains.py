@@ -1,12 +1,9 @@
-"""Each cycle against its neighbours: by how much, and with which sign, a channel answers to the motion.
+"""Each cycle against the one before: where the size or the sign of a channel changes from one reading to the next.
 
-About a spring's rest the acceleration is the displacement times minus the frequency's square, whatever the mass does: the
-slope of one channel against the other goes on smoothly from window to window, and a jump of it is a sensor's. One channel
-alone is held against itself a period earlier: in a free oscillation that slope is positive and goes on smoothly as well, but
-for the one period in which its gain or its sign changes.
+In a free oscillation the slope of a channel against itself a period earlier is positive and goes on smoothly, but for the
+one period in which its gain or its sign changes.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +14,12 @@ FEWEST, SHORTEST = 2.0, 6.0
 """Periods that half a record has at least, and readings that a period has."""
 PIECES = 4
 """Windows of one period begin so many times a period."""
-AGREE, ALONE_AGREE = 0.94, 0.35
-SMALLEST = 0.15
-"""Share of two channels' power that they have in common, and of the largest size, below which a window says nothing."""
+AGREE, SMALLEST = 0.35, 0.15
+"""Share of the power that two periods have in common, and of the largest size, below which a window says nothing."""
 SAME_PHASE = 0.85
-"""The share that one channel and itself a period earlier have in common where only its size changed: a pause of the
-sampling moves its phase."""
-GAIN_STEP, ALONE_STEP = 0.15, 0.25
-SCATTER, USUAL = 8.0, 0.4
-"""Logarithm of the smallest step that is looked for, with two channels and with one; times a usual one."""
+"""The share that they have in common where only the size changed: a pause of the sampling moves the phase."""
+GAIN_STEP, SCATTER = 0.25, 8.0
+"""Logarithm of the smallest step that is looked for, and how many times a usual change it is."""
 SMOOTH, STRAIGHT = 0.5, 0.3
 """In which share of windows at least a free oscillation grows or shrinks by less than this in a period (logarithm)."""
 
@@ -37,11 +31,6 @@ class Step:
     index: int
     factor: float
     reverses: bool
-
-    @property
-    def inverse(self) -> "Step":
-        """The same jump, of the other channel."""
-        return Step(self.index, 1.0 / self.factor, self.reverses)
 
 
 def cycle_length(channels: tuple[Array, ...]) -> float | None:
@@ -73,29 +62,39 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # where a channel stands still, its gain is unknown
-def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
-    """Find where the gain of `x` jumps against `other`, or against itself a period earlier, while it is `moving`, (n,)."""
+def gain_steps(x: Array, period: float, moving: Mask) -> tuple[Step, ...]:
+    """Find where the gain of a channel, shape (n,), jumps against itself a period earlier, while it is `moving`, (n,).
+
+    There its slope differs from that both before and after, in phase or reversed.
+    """
     span = np.flatnonzero(moving)
     if len(span) < 5.0 * period:
         return ()
     begin, end = int(span[0]), int(span[-1]) + 1
     whole = round(period)
-    hop = max(whole // PIECES, 1)
-    if other is not None:
-        slope = _slopes(x[begin:end], other[begin:end], whole, hop, AGREE)
-        return _steps(slope, begin + whole // 2, round(1.5 * PIECES), hop)
+    hop, apart = max(whole // PIECES, 1), round(1.5 * PIECES)
     pair = x[begin + whole : end], x[begin : end - whole]
-    slope, in_phase = (_slopes(*pair, whole, hop, share) for share in (ALONE_AGREE, SAME_PHASE))
-    return _blips(slope, np.isfinite(in_phase), begin + whole, round(1.5 * PIECES), hop)
-
-
-def own_change(x: Array, index: int, period: float) -> float:
-    """Measure how much a channel differs after reading `index` from whole periods before: 0 for one that goes on."""
-    gap, whole = round(0.25 * period), round(period)
-    after = x[index + gap : index + gap + whole]
-    before = x[max(index + gap - 2 * whole, 0) :][: len(after)]
-    after, before = after - after.mean(), before - before.mean()
-    return float(after @ before / (before @ before)) - 1.0
+    slope, in_phase = (_slopes(*pair, whole, hop, share) for share in (AGREE, SAME_PHASE))
+    if len(slope) <= 2 * apart:
+        return ()
+    goes_on = np.abs(np.log(slope)) < STRAIGHT
+    if goes_on.sum() < SMOOTH * len(slope):
+        return ()
+    middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]
+    change = np.log(np.abs(middle)) - 0.5 * (np.log(before) + np.log(after))
+    smooth = np.isfinite(change) & goes_on[: -2 * apart] & goes_on[2 * apart :]
+    reverses = smooth & (middle < 0.0)
+    large = np.abs(change) > max(GAIN_STEP, SCATTER * _usual(slope))
+    jumps = reverses | (smooth & large & np.isfinite(in_phase)[apart:-apart])
+    found: list[Step] = []
+    at = np.flatnonzero(jumps)
+    for group in np.split(at, np.flatnonzero(np.diff(at) > apart) + 1) if len(at) else []:
+        size = np.abs(change[group])
+        top = group[reverses[group]] if reverses[group].any() else group[size >= 0.9 * size.max()]
+        best = int(top[len(top) // 2])
+        index = begin + whole + (best + apart) * hop
+        found.append(Step(index, float(np.exp(change[best])), bool(reverses[group].any())))
+    return tuple(found)
 
 
 def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
@@ -111,68 +110,8 @@ def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
     return np.asarray(np.where(agree, xy / xx, np.nan))
 
 
-def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
-    """Find where the slope differs between windows before and after a reading, the largest of each group."""
-    if len(slope) <= apart:
-        return ()
-    change = np.log(np.abs(slope[apart:] / slope[:-apart]))
-    reverses = slope[apart:] * slope[:-apart] < 0.0
-    change -= 0.5 * (
-        _shifted(change, apart) + _shifted(change, -apart)
-    )  # what goes on before and after is no step
-    known = np.isfinite(change)
-    if not known.any():
-        return ()
-    usual = float(np.quantile(np.abs(change[known]), USUAL))
-    jumps = known & ((np.abs(change) > max(GAIN_STEP, SCATTER * usual)) | reverses)
-    jumps[: int(np.argmin(jumps))] = False  # the motion's beginning is no step within it
-    return _found(jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop), apart)
-
-
 def _usual(slope: Array) -> float:
     """Return the median change of the slope from a window to the one half a period later (logarithm)."""
     change = np.abs(np.diff(np.log(np.abs(slope[:: PIECES // 2])), 1))
     known = change[np.isfinite(change)]
     return float(np.median(known)) if len(known) else 0.0
-
-
-def _shifted(change: Array, by: int) -> Array:
-    """Return the change so many windows later, 0 where there is none or it is not known, (n,)."""
-    out = np.zeros(len(change))
-    if by > 0:
-        out[:-by] = change[by:]
-    else:
-        out[-by:] = change[:by]
-    return np.nan_to_num(out)
-
-
-def _blips(slope: Array, in_phase: Mask, first: int, apart: int, hop: int) -> tuple[Step, ...]:
-    """Find where the slope against a period earlier differs from that both before and after, `in_phase` or reversed."""
-    if len(slope) <= 2 * apart:
-        return ()
-    middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]
-    around = np.log(before), np.log(after)
-    change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
-    goes_on = np.abs(np.log(slope)) < STRAIGHT
-    smooth = goes_on[: -2 * apart] & goes_on[2 * apart :]
-    known = np.isfinite(change)
-    if goes_on.sum() < SMOOTH * len(slope):
-        return ()
-    reverses = known & smooth & (middle < 0.0)
-    usual = _usual(slope)
-    large = in_phase[apart:-apart] & (np.abs(change) > max(ALONE_STEP, SCATTER * usual))
-    jumps = known & smooth & (large | reverses)
-    return _found(jumps, change, reverses, lambda at: first + (at + apart) * hop, apart)
-
-
-def _found(
-    jumps: Mask, change: Array, reverses: Mask, index: Callable[[int], int], apart: int
-) -> tuple[Step, ...]:
-    found: list[Step] = []
-    at = np.flatnonzero(jumps)
-    for group in np.split(at, np.flatnonzero(np.diff(at) > apart) + 1) if len(at) else []:
-        size = np.abs(change[group])
-        top = group[reverses[group]] if reverses[group].any() else group[size >= 0.9 * size.max()]
-        best = int(top[len(top) // 2])
-        found.append(Step(index(best), float(np.exp(change[best])), bool(reverses[group].any())))
-    return tuple(found)

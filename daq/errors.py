@@ -1,35 +1,5 @@
 """The errors on the way from a port to a sealed session, sorted by who can mend them.
 
-    StationError               1  unexpected
-    |- OperatorError           2  settings or usage
-    |  |- SettingsError           a setting that cannot be met
-    |  |- ImportProblem           a file that cannot be read as it is (in `daq.importing`)
-    |  |- SessionExists           a folder that already holds something
-    |  |- NotASession             a folder that is no session
-    |  |- NoRelease               armed, and nobody released the mass
-    |  `- CannotHold              the board has nothing to hold the mass with
-    |- PortError               3  no board, or a port that cannot be had
-    |  |- NoBoard                 nothing there, or nothing that answers
-    |  |- SeveralBoards           more than one answers: name one
-    |  |- PortNotAllowed          a name that is none of a port
-    |  |- PortBusy                another program has it
-    |  `- PortForbidden           no permission
-    |- BoardError              4  the board's fault
-    |  |- VersionRefused          another major version of the protocol
-    |  |- BoardRefused            the board refused, for the reason it gave
-    |  |- LetGo                   the rig let go of the mass before it was told to
-    |  `- ProtocolError           the board does not keep to the protocol
-    |- DataLost                5  more samples lost than the limit allows
-    |- LinkLost                6  the connection ended before the recording did
-    |  |- Disconnected            unplugged
-    |  |- Stalled                 silent
-    |  `- Rebooted                the board restarted in mid-capture
-    `- StorageError            7  the disk's fault
-       |- SessionLocked        9  another process is writing this session
-       |- NotWritable             nothing may be written there; it can be read
-       |- SessionChanged       9  another process changed it since it was read
-       `- SessionDamaged          what is stored is not what was written
-
 Each message says what happened, what was kept and what to do, in one sentence or two.
 """
 

@@ -23,7 +23,6 @@ from firmware_protocol import EventKind
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 MOTION_TO_NOISE = 20.0
-NOISIER_LIMIT = 3.0
 EARLY_SHARE = 0.1
 EARLY_SWING = 0.25
 
@@ -60,19 +59,17 @@ def judge(
     planned: int | None = None,
     noise: Mapping[str, float] | None = None,
     check_clock: bool = True,
-    typical: Mapping[str, float] | None = None,
     sensors: SensorFaults | None = None,
 ) -> Verdict:
     """Return the verdict on a recording.
 
     `assembly` adds what the board and the wire reported, `planned` the number of samples wanted, `noise` the
-    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions,
-    `sensors` what `sensor_faults` found where that is known.
+    standard deviation of each channel at rest by its name (channel's unit), `sensors` what `sensor_faults` found where
+    that is known.
     """
     found = [*_losses(recording, planned)]
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         found += _one_channel(channel, samples[recording.valid], (noise or {}).get(channel.name))
-    found += _noisier(recording, noise or {}, typical or {})
     found += (sensors or sensor_faults(recording, assembly)).suspicions
     found += (*_start(recording), *_kinematics(recording))
     remarks: list[str] = []
@@ -128,21 +125,6 @@ def _one_channel(channel: Channel, samples: Array, noise: float | None) -> Itera
     elif noise is not None and span < MOTION_TO_NOISE * noise:
         reason = f"{channel.name} moves by only {span / noise:.0f} times its noise"
         yield Suspicion(True, reason, "a larger release")
-
-
-def _noisier(
-    recording: Recording, noise: Mapping[str, float], typical: Mapping[str, float]
-) -> Iterator[Suspicion]:
-    """Noise far above that of the same board's other sessions means a loose cable or a shaken bench."""
-    for channel in recording.channels:
-        now, before = noise.get(channel.name, 0.0), typical.get(channel.name, 0.0)
-        if before > 0.0 and now > NOISIER_LIMIT * before:
-            yield Suspicion(
-                False,
-                f"{channel.name} is {now / before:.1f} times as noisy at rest as usual "
-                f"({now:.2g} {channel.unit}, usually {before:.2g})",
-                f"look for a loose cable of {channel.name}, or for what shakes the bench",
-            )
 
 
 def _start(recording: Recording) -> Iterator[Suspicion]:

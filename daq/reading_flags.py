@@ -213,7 +213,7 @@ def _unwrapped(x: Array, valid: Mask, swing: Swing, period: float) -> tuple[Arra
     total = np.cumsum(turns)
     wrapped = np.asarray(total != np.median(total))
     longest = max((stop - first for first, stop in runs(wrapped)), default=0)
-    if joined.sum() < 2 or longest < 2 or np.abs(total - np.median(total)).max() > 1.0:
+    if joined.sum() < 2 or longest < 2:
         return x, nothing
     return x + size * (total - np.median(total)), wrapped
 

@@ -1,12 +1,12 @@
 """Faults of a sensor during the record: where each channel is flagged, what that means, and what to do about it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from daq.cycle_gains import Step, cycle_length, gain_steps, own_change
+from daq.cycle_gains import Step, cycle_length, gain_steps
 from daq.decode import Assembly
 from daq.reading_flags import Flag, Flagged, flag_readings
 from daq.recording import Array, Channel, Mask, Recording, runs
@@ -35,7 +35,7 @@ WORDS = {
     Flag.SATURATED: ("is cut off flat", "a smaller release, or a wider range of {}"),
     Flag.WRAPPED: (
         "wraps round from one end of its range to the other",
-        "a smaller release, or a wider range of {}",
+        "a smaller release, or a wider range of {}; of a file, `wraps` in its recipe, as wraps = 360",
     ),
     Flag.SPIKE: ("leaps away from its neighbours", "look for a loose contact or interference on {}"),
 }
@@ -65,21 +65,23 @@ class SensorFaults:
 def sensor_faults(recording: Recording, assembly: Assembly | None = None) -> SensorFaults:
     """Look at every channel reading by reading and cycle by cycle; `assembly` adds what the board itself reported."""
     looked, period, first = _looked(recording)
-    steps = _steps(recording, looked, period) if period else {}
+    driven = any(channel.quantity == "force" for channel in recording.channels)
     suspicions: list[Suspicion] = []
     flagged: list[FlaggedRun] = []
     for number, channel in enumerate(recording.channels):
         masks = {flag: np.zeros(len(recording.valid), dtype=np.bool_) for flag in Flag}
-        moving = 0
+        moving, steps = 0, tuple[Step, ...]()
         if number in looked:
-            moving = int(looked[number].moving.sum())
-            for flag, mask in looked[number].masks.items():
+            course = looked[number]
+            moving = int(course.moving.sum())
+            steps = () if driven else gain_steps(course.filled, period, course.moving)
+            for flag, mask in course.masks.items():
                 masks[flag][first : first + len(mask)] = mask
         ends = _ends(recording, number, assembly)
         suspicions += _of_range(recording, channel, *ends)
         for flag in WORDS:
             masks[flag] &= ~(ends[0] | ends[1])
-        for step in steps.get(number, ()):
+        for step in steps:
             at = first + step.index
             masks[Flag.SPIKE][max(at - round(period), 0) : at + round(period)] = False
             masks[Flag.SIGN if step.reverses else Flag.GAIN][at:] ^= True
@@ -119,27 +121,6 @@ def _looked(recording: Recording) -> tuple[dict[int, Flagged], float, int]:
         others = max((last for other, last in until.items() if other != number), default=0)
         looked[number] = flag_readings(filled[number], there, period, others, released)
     return looked, period, first
-
-
-def _steps(recording: Recording, looked: Mapping[int, Flagged], period: float) -> dict[int, tuple[Step, ...]]:
-    """Return the jumps of each channel's gain, by number: displacement against acceleration, else each by itself.
-
-    Of a pair it is the one whose own course jumps there; a driven motion alone says nothing.
-    """
-    alone = {}
-    if all(channel.quantity != "force" for channel in recording.channels):
-        alone = {n: gain_steps(f.filled, None, period, f.moving) for n, f in looked.items()}
-    by_quantity = {recording.channels[number].quantity: number for number in reversed(list(looked))}
-    if not {"displacement", "acceleration"} <= set(by_quantity):
-        return alone
-    x, a = by_quantity["displacement"], by_quantity["acceleration"]
-    moving = looked[x].moving | looked[a].moving
-    found: dict[int, tuple[Step, ...]] = {}
-    for step in gain_steps(looked[a].filled, looked[x].filled, period, moving):
-        jumps = {n: abs(own_change(looked[n].filled, step.index, period)) for n in (x, a)}
-        number = x if jumps[x] > jumps[a] else a
-        found[number] = (*found.get(number, ()), step if number == a else step.inverse)
-    return found or {number: steps for number, steps in alone.items() if steps}
 
 
 def _of_step(recording: Recording, number: int, step: Step, at: int) -> Suspicion:

@@ -20,7 +20,6 @@ from daq.manifest import (
     known_manifest,
     session_files,
 )
-from daq.noise_history import typical_noise
 from daq.plain_text import first_fault
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
@@ -190,7 +189,7 @@ class Session(SessionReader):
                     planned=self.info.planned_samples or 0, resent=resent, damaged_frames=damaged_frames
                 ),
             )
-            sealed, grade = _judged(made, self.folder, self.info, assembly, check_clock)
+            sealed, grade = _judged(made, self.info, assembly, check_clock)
             self.info = self.info.model_copy(
                 update={"state": state, "reason": reason[:2000], "verdict": grade.value}
             )
@@ -271,7 +270,7 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
 
 
 def _judged(
-    made: Manifest, folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
+    made: Manifest, info: SessionInfo, assembly: Assembly, check_clock: bool
 ) -> tuple[Manifest, Grade]:
     """Complete a manifest with the verdict, counts, gaps and flags of a session's recording."""
     try:
@@ -280,8 +279,7 @@ def _judged(
         verdict = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
         return made.model_copy(update={"verdict": verdict}), verdict.grade
     sensors = sensor_faults(recording, assembly)
-    typical = typical_noise(folder, info)
-    verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, typical, sensors)
+    verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, sensors)
     counts = {
         "samples": len(recording.valid),
         "lost": int(len(recording.valid) - recording.valid.sum()),

@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from daq.importing.bob import angle_of
-from daq.importing.counted_on import counted_on_by
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
 from daq.importing.no_clock import NoClock
@@ -182,7 +181,7 @@ def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str
     found: dict[str, Reading] = {}
     for column in table.columns:
         field = fields[column.number]
-        column = replace(column, values=counted_on_by(column.values, field.wraps)) if field.wraps else column
+        column = replace(column, values=_counted_on(column.values, field.wraps)) if field.wraps else column
         role = "time" if field.role == "time_step" else field.role
         if field.role == "time_step":
             column = replace(column, values=np.cumsum(column.values) - column.values[0])
@@ -199,6 +198,15 @@ def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str
     if not any(quantity in found for quantity in MOTIONS):
         raise problem(table.path, *NO_MOTION)
     return found
+
+
+def _counted_on(values: Array, step: float) -> Array:
+    """Return numbers that begin again after `step`, counted on, their median within half a `step` of 0; NaN stay."""
+    there = np.isfinite(values)
+    on = np.unwrap(values[there], period=step)
+    made = values.copy()
+    made[there] = on - step * np.rint(np.median(on) / step)
+    return made
 
 
 def _angle(table: Table, x: Reading, y: Reading) -> Reading:
@@ -282,18 +290,9 @@ def clock_of(
         said = "as given" if time is None else "in place of the time stamps"
         return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, {said}")
     if time is None:
-        rates = {r.column.rate for r in readings.values() if r.column.rate is not None}
-        if len(rates) > 1:
-            said = ", ".join(f"{rate:g} Hz" for rate in sorted(rates))
-            raise problem(
-                table.path,
-                f"the channels have different rates ({said})",
-                "leave one out with --column ...=none",
-            )
-        rate, source = (rates.pop(), "the file") if rates else (table.rate, table.rate_source)
-        if rate is None:
+        if table.rate is None:
             raise NoClock(table.path.name, NO_RATE, {})
-        return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
+        return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
     time.in_si(table, "time")  # refuses what is no time at all
     unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
     try:

@@ -10,7 +10,7 @@ import numpy as np
 from daq.importing import serial_text
 from daq.importing.dialect import BLANK, NAMES, Dialect, decode, find_dialect, is_comment, split
 from daq.importing.errors import problem
-from daq.importing.header_lines import headers, names_in, rate_above, units_above
+from daq.importing.header_lines import headers, rate_above, units_above
 from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.recipe import Dialect as WantedDialect, Recipe
@@ -31,18 +31,15 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     if recipe.format != "text" and wanted.delimiter is None:
         odd = serial_text.table_of(path, lines, wanted.decimal_char)
     format, lines, how = odd if odd is not None else ("text", lines, "")
-    top = max(wanted.header_rows, default=0)
-    dialect = find_dialect(path, [*[""] * top, *lines[top:]] if top else lines, wanted)
-    if top or not wanted.header:  # said where the rows begin, they begin there
-        dialect = replace(dialect, start=top)
+    dialect = find_dialect(path, lines, wanted)
+    if not wanted.header:
+        dialect = replace(dialect, start=0)
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     require_table(path, len(rows), dialect.width)
     notes = [text for text in (said, how) if text]
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
     names, units = [""] * len(parsed), [""] * len(parsed)
-    if wanted.header_rows:
-        names = names_in(lines, wanted.header_rows, wanted.header_join, dialect, len(parsed))
-    elif wanted.header:
+    if wanted.header:
         names, units = headers(lines, dialect, len(parsed))
     if names and not names[-1] and names[0] and _counts(parsed[0]):
         names = ["row", *names[:-1]]
@@ -72,13 +69,8 @@ def _without_comments(path: Path, lines: list[str], wanted: WantedDialect) -> li
     """Return the lines, those blank that a recipe names as remarks."""
     if max(wanted.comment_rows, default=0) >= len(lines):
         raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(wanted.comment_rows)}")
-    sign, rows = wanted.comment_char, set(wanted.comment_rows)
-    if not sign and not rows:
-        return lines
-    return [
-        "" if number in rows or (sign and line.lstrip().startswith(sign)) else line
-        for number, line in enumerate(lines, start=1)
-    ]
+    blank = set(wanted.comment_rows)
+    return ["" if number in blank else line for number, line in enumerate(lines, start=1)] if blank else lines
 
 
 def _numbers(

@@ -92,12 +92,6 @@ def _is_unit_row(cells: Sequence[str]) -> bool:
     return bool(known) and (all(known) or (bracketed and any(known)) or (len(known) > 1 and all(known[1:])))
 
 
-def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dialect, width: int) -> list[str]:
-    """Return the header of each column from the lines that a recipe names, counted from 1."""
-    cells = [_padded(_cells_of(lines[row - 1], dialect, width), width) for row in rows if row <= len(lines)]
-    return [join.join(filter(None, several)) for several in zip(*cells, strict=True)] or [""] * width
-
-
 def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
     """Return the units that the lines above the table name, in the order of the alphabet."""
     words = (

@@ -43,7 +43,7 @@ def is_json(data: bytes) -> bool:
 
 
 def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
-    """Return the table in a JSON file: the largest, or that under the recipe's `property`, with its `itemKeys` as columns.
+    """Return the table in a JSON file: the largest, or that under the recipe's `property`.
 
     Settings beside it may name the columns, their units (`displacement units`) and the rate or the step of time. Raises
     ImportProblem when there is no table, or the text is not JSON.
@@ -74,8 +74,6 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         SourceColumn(i, name, values, unit_of.get(name.casefold(), ""))
         for i, (name, values) in enumerate(zip(names, found.columns, strict=True), start=1)
     ]
-    if wanted.item_keys:
-        made = [column for name in wanted.item_keys for column in made if column.label == name]
     note = f"JSON{f', key {found.path!r}' if found.path else ''}: {len(found.columns[0])} rows, {len(made)} columns"
     others = tuple(
         f"not read: the table under {t.path!r}; property in a recipe's dialect names it"

@@ -11,7 +11,6 @@ from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
-from daq.importing.counted_on import counted_on
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.no_clock import NoClock
@@ -69,7 +68,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     Raises ImportProblem where an option contradicts the file, or nothing in it can be a motion.
     """
     found = find_runs(table, options)
-    chosen = [counted_on(run, options) for run in _chosen(table, found, options)]
+    chosen = _chosen(table, found, options)
     made: list[_Run] = []
     refused: list[ImportProblem] = []
     turns = units_of_angles(chosen)
@@ -115,7 +114,7 @@ def _recipe(table: Table, made: Sequence[_Run], options: ImportOptions) -> Recip
             if known is None:
                 roles[number] = field.model_copy(update={"run": run.table.run})
             else:
-                roles[number] = known.model_copy(update={"run": "", "wraps": known.wraps or field.wraps})
+                roles[number] = known.model_copy(update={"run": ""})
     found: dict[str, object] = {
         "format": table.format,
         "encoding": table.encoding,
@@ -195,7 +194,7 @@ def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
         x, y = column.arc
         return Column(column=x, role="x"), Column(column=y, role="y")
     quantity = cast(Role, choice.quantity)
-    return (Column(column=column.number, role=quantity, unit=unit, wraps=column.wraps),)
+    return (Column(column=column.number, role=quantity, unit=unit),)
 
 
 def _derived(
@@ -223,8 +222,7 @@ def _derived(
         first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
         return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
-    uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
-    stamps = clock.stamps if uneven and not clock.coarse else None
+    stamps = clock.stamps if clock.stray_rms * clock.rate > EVEN else None
     steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
     drop: set[str] = set()
     for source, target, order in DERIVATIVES:

@@ -1,16 +1,6 @@
-"""A recipe: how a file is to be read, as people write it and as an import keeps it.
+"""A recipe: how a file is to be read, as people write it and as an import keeps it (docs/importing.md shows one).
 
-Words of the Data Package standard (Table Dialect 2.0, Table Schema) where it has them; TOML on disk:
-
-    recipe = 1
-    rate = 100.0
-    fields = [
-      {name = "Position (mm) Run #1", role = "displacement", unit = "mm", run = "1"},
-      {name = "Position (mm) Run #2", role = "displacement", unit = "mm", run = "2"},
-    ]
-    [dialect]
-    delimiter = ";"
-    decimalChar = ","
+Words of the Data Package standard (Table Dialect 2.0, Table Schema) where it has them; TOML on disk.
 """
 
 import json
@@ -58,18 +48,14 @@ class Dialect(_Part):
     """How a text is written (Table Dialect 2.0); what is not said is found out. Rows count from 1.
 
     `decimalChar` is Table Schema's word, said here once for all fields. Of JSON, `property` is the key of the table, with
-    points between the keys on the way, and `itemKeys` are the columns to read.
+    points between the keys on the way.
     """
 
     header: bool = True
-    header_rows: tuple[Row, ...] = Field(default=(), alias="headerRows", max_length=60)
-    header_join: str = Field(default=" ", alias="headerJoin", max_length=8)
     comment_rows: tuple[Row, ...] = Field(default=(), alias="commentRows")
-    comment_char: str | None = Field(default=None, alias="commentChar", min_length=1, max_length=8)
     delimiter: Annotated[str, AfterValidator(_sign)] | None = None
     decimal_char: Literal[".", ","] | None = Field(default=None, alias="decimalChar")
     property: str | None = Field(default=None, max_length=LONGEST_NAME)
-    item_keys: tuple[Name, ...] = Field(default=(), alias="itemKeys", max_length=MAX_COLUMNS)
 
 
 class Column(_Part):

@@ -1,7 +1,5 @@
 """The even clock behind stamps that do not show it: rounded ones, and rows stamped in blocks."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,23 +62,9 @@ def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float]
     return float(ends[0][1]), float(ends[1][1]), float(middle[0])
 
 
-@dataclass(frozen=True, eq=False)
-class Rebuilt:
-    """An even clock behind stamps that do not show it: its period (s) with its standard error, the time of sample 0 (s), the
-    `rows` that hold its samples, (m,), and which sample each is, `index` (m,); `note` has a place for the rate.
-    """
-
-    period: float
-    period_std: float
-    start: float
-    rows: Index
-    index: Index
-    note: str
-
-
-def clock_of_blocks(time: Array) -> Rebuilt | None:
-    """Return the even clock of rows whose stamps `time` (n,), in s and never falling, come in blocks; None when they do
-    not.
+def clock_of_blocks(time: Array) -> tuple[float, float, float] | None:
+    """Return period, time of sample 0 and the standard error of the rate of rows whose stamps `time` (n,), in s and never
+    falling, come in blocks; None when they do not.
 
     The last row of a block was sampled just before the block was read. The line through these rows is the clock; how
     far blocks stray from it gives its error.
@@ -97,9 +81,4 @@ def clock_of_blocks(time: Array) -> Rebuilt | None:
     if not period > 0.0 or float(np.max(np.abs(stray))) > NEAR * interval:
         return None
     error = float(np.sqrt(stray @ stray / max(len(t) - 2, 1) / spread))
-    note = (
-        f"about {len(time) / len(last):.3g} rows share each time stamp: they were written in blocks, and a stamp is the "
-        "time at which a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
-    )
-    every = np.arange(len(time))
-    return Rebuilt(period, error, float(stamp.mean() - period * at.mean()), every, every, note)
+    return period, float(stamp.mean() - period * at.mean()), error / period**2

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.importing.errors import problem
-from daq.importing.held_readings import held_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.stamps import Index, Rebuilt, clock_of_blocks, nominal_rate, rate_within_rounding
+from daq.importing.stamps import Index, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
@@ -27,8 +26,8 @@ class Timebase:
     """An even clock for the rows of a table.
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps). `stray_rms` is in s, `origin` the file's own time of
-    sample 0 (s). `coarse` is True where the stamps stray by no more than their rounding.
+    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read). `stray_rms` is
+    in s, `origin` the file's own time of sample 0 (s).
     """
 
     rate: float
@@ -40,7 +39,6 @@ class Timebase:
     stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
     origin: float = 0.0
-    coarse: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -85,9 +83,6 @@ def from_stamps(
     notes: list[str] = []
     time, rows, first = _stamps(table, column, unit, notes, between)
     time, rows = _in_order(table, column, time, rows, values, notes)
-    held = held_readings(time, values[:, rows])
-    if held is not None:
-        return _rebuilt(held, rows, first, notes)
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -102,34 +97,39 @@ def from_stamps(
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
     blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
-    if blocks is not None:
-        return _rebuilt(blocks, rows, first, notes)
     spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
-    if stray > TOO_IRREGULAR * slope and not spline and not coarse:
+    rebuilt = blocks is not None or (coarse and uneven)
+    if stray > TOO_IRREGULAR * slope and not spline and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
         raise no_clock(table, column, (time, rows, first), _gap(time), worst, (slope, stray))
-    if coarse and uneven and not column.clock:
-        steps = rounding(column.values)[rows] * unit.scale
-        slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
-    notes.extend(_holes(table, index, time, rows))
-    if coarse and uneven:
+    if blocks is not None:
+        index, (slope, start, rate_std) = np.arange(len(time)), blocks
+        notes.append(
+            f"about {len(time) / len(np.unique(time)):.3g} rows share each time stamp: they were written in blocks, and a "
+            f"stamp is the time at which a block was read; even times were rebuilt at {_rate(1.0 / slope, rate_std)}, as "
+            "the blocks came (or give --rate)"
+        )
+    elif rebuilt:
+        if not column.clock:
+            steps = rounding(column.values)[rows] * unit.scale
+            slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
+        notes.extend(_holes(table, index, time, rows))
         notes.append(
             f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
-        notes.extend(_evenness(slope, stray, resample))
+        notes.extend((*_holes(table, index, time, rows), *_evenness(slope, stray, resample)))
     return Timebase(
         rate=float(f"{1.0 / slope:.13g}"),
         rate_std=rate_std,
         rows=rows,
         index=index,
         count=int(index[-1]) + 1,
-        stamps=None if coarse and uneven else time - start,
+        stamps=None if rebuilt else time - start,
         stray_rms=stray,
         notes=tuple(notes),
         origin=first + start,
-        coarse=coarse and uneven,
     )
 
 
@@ -145,20 +145,6 @@ def _within_rounding(
     if nominal is not None:
         slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
     return slope, start, rate_std
-
-
-def _rebuilt(clock: Rebuilt, rows: Index, first: float, notes: list[str]) -> Timebase:
-    rate, rate_std = 1.0 / clock.period, clock.period_std / clock.period**2
-    return Timebase(
-        rate=float(f"{rate:.13g}"),
-        rate_std=rate_std,
-        rows=rows[clock.rows],
-        index=clock.index,
-        count=int(clock.index[-1]) + 1,
-        notes=(*notes, clock.note.format(_rate(rate, rate_std))),
-        origin=first + clock.start,
-        coarse=True,
-    )
 
 
 def _stamps(

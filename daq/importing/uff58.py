@@ -3,7 +3,6 @@
 import re
 import tempfile
 import warnings
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from daq.importing.limits import require_few
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table, common_length
 from daq.importing.units import SI_ANGULAR, SI_LINEAR
-from daq.recording import Array
 
 TIME_RESPONSES = (0, 1)
 QUANTITY_CODES = {8: "displacement", 11: "velocity", 12: "acceleration", 9: "force", 13: "force"}
@@ -34,6 +32,7 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     sets, kinds = _sets(path, data)
     traces = [(n, t) for n, t in sets if int(t.get("func_type", -1)) in TIME_RESPONSES]
     traces = [(n, t) for n, t in traces if np.size(t.get("data", ())) > 1 and not np.iscomplexobj(t["data"])]
+    traces = [(n, t) for n, t in traces if np.size(t.get("x", ())) == np.size(t["data"])]
     if not traces:
         found = ", ".join(str(k) for k in kinds[:8]) or "none"
         raise problem(
@@ -45,32 +44,16 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
         notes.append(f"{len(sets) - len(traces)} data sets 58 are no real time responses and were left out")
     sizes = [((str(n), _label(t)), int(np.size(t["data"]))) for n, t in traces]
     length = common_length(path, recipe, sizes)
-    columns: list[SourceColumn] = []
-    stamps = None
+    first, stamps = next((n, np.ravel(t["x"])) for n, t in traces if np.size(t["data"]) == length)
+    columns = []
     for number, trace in traces:
-        values = np.asarray(trace["data"], dtype=np.float64).ravel()
-        if len(values) != length:
-            notes.append(f"data set {number} has {len(values)} samples, not {length}, and was left out")
+        if not np.array_equal(stamps, np.ravel(trace["x"])):
+            notes.append(f"data set {number} has other times than data set {first}, and was left out")
             continue
         quantity, unit = _quantity(trace)
-        even = int(trace.get("abscissa_spacing", 0)) == 1
-        rate = _rate(trace) if even else None
-        if even and rate is None:
-            raise problem(
-                path,
-                f"data set {number} gives no sampling interval",
-                "export it again with its abscissa increment",
-            )
-        if not even and stamps is None:
-            stamps = np.asarray(trace["x"], dtype=np.float64).ravel()[:length]
-        columns.append(
-            SourceColumn(number, _label(trace), values, unit, quantity, noun="data set", rate=rate)
-        )
-    if stamps is not None and len(stamps) == length:
-        columns.append(
-            SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa")
-        )
-        columns = [replace(c, rate=None) for c in columns]
+        values = np.ravel(trace["data"])
+        columns.append(SourceColumn(number, _label(trace), values, unit, quantity, noun="data set"))
+    columns.append(SourceColumn(columns[-1].number + 1, "time", stamps, "s", "time", noun="abscissa"))
     return Table(path, tuple(columns), None, None, "", tuple(notes), format="uff")
 
 
@@ -125,11 +108,3 @@ def _label(trace: dict[str, Any]) -> str:
     node = int(trace.get("rsp_node", 0))
     place = f"{node}:{direction}" if direction or node else ""
     return f"{name} {place}".strip()
-
-
-def _rate(trace: dict[str, Any]) -> float | None:
-    step = float(trace.get("abscissa_inc", 0.0))
-    x: Array = np.asarray(trace.get("x", ()), dtype=np.float64).ravel()
-    if step <= 0.0 and x.size > 1:
-        step = float(x[-1] - x[0]) / (x.size - 1)
-    return 1.0 / step if 1e-9 < step < 1e6 else None

@@ -16,7 +16,6 @@ fields = [
   {column = 2, role = "displacement", unit = "deg"},
 ]
 [dialect]
-headerRows = [1]
 delimiter = ";"
 """
 

@@ -4,31 +4,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from import_files import load, said, table, write
+from import_files import load, table, write
 
 from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe
+from daq.quality import judge
 
 T = np.arange(1200) / 100.0
 SWING = 35.0 * np.exp(-0.12 * T) * np.cos(6.9 * T) + 1.7  # deg, about 1.7 deg
 
 
-@pytest.mark.parametrize(
-    ("header", "scale", "turn", "low"),
-    [
-        ("angle_deg", 1.0, 360.0, 0.0),
-        ("theta (rad)", np.pi / 180.0, 2.0 * np.pi, 0.0),
-        ("yaw [deg]", 1.0, 360.0, -180.0),
-    ],
-)
-def test_an_angle_goes_on_where_a_turn_is_full(
-    tmp_path: Path, header: str, scale: float, turn: float, low: float
+@pytest.mark.parametrize("header", ["angle_deg", "yaw [deg]"])
+@pytest.mark.parametrize(("scale", "middle"), [(1.0, 0.0), (1.0, 180.0), (20.0, 0.0)])
+def test_the_verdict_says_that_an_angle_begins_again_and_a_recipe_counts_it_on(
+    tmp_path: Path, header: str, scale: float, middle: float
 ) -> None:
-    angle = scale * (SWING + (180.0 if low else 0.0))
-    recording = load(tmp_path, table(f"time_s,{header}", T, (angle - low) % turn + low))
-    truth = np.radians(SWING)
-    assert np.ptp(recording.samples[0] - truth) < 1e-4  # six digits of numbers up to 360 deg
-    assert "a turn" in said(recording)
+    angle = scale * SWING + middle
+    low = -180.0 if middle else 0.0
+    text = table(f"time_s,{header}", T, (angle - low) % 360.0 + low)
+    verdict = judge(load(tmp_path, text))
+    assert "wraps round from one end of its range to the other" in str(verdict)
+    assert any("wraps = 360" in advice for advice in verdict.advice)
+    recipe = Recipe.model_validate(
+        {"fields": [{"column": 1, "role": "time"}, {"column": 2, "role": "displacement", "unit": "deg", "wraps": 360}]}
+    )  # fmt: skip
+    (recording,) = look_at(tmp_path / "a.csv", recipe=recipe).read().recordings
+    assert (
+        np.ptp(recording.samples[0] - np.radians(scale * SWING)) < 1e-4
+    )  # six digits of numbers up to 360 deg
 
 
 @pytest.mark.parametrize("bits", [12, 16])
@@ -57,21 +60,3 @@ def test_drop_outs_and_clipped_readings_are_left_as_they_are(tmp_path: Path) -> 
             units={"displacement": "counts"},
         )
         np.testing.assert_array_equal(recording.samples[0], numbers)
-
-
-def test_a_counter_goes_on_where_its_word_of_two_bytes_is_full(tmp_path: Path) -> None:
-    rate = np.round(
-        900.0 * np.exp(-0.2 * T) * np.cos(6.0 * T) + 30.0 * np.random.default_rng(4).standard_normal(len(T))
-    )
-    recording = load(
-        tmp_path, table("t_s,gz", T, rate % 65536), columns={"velocity": "gz"}, units={"velocity": "counts"}
-    )
-    np.testing.assert_array_equal(recording.samples[0], rate)
-    assert "jumps by 65536" in said(recording)
-
-
-def test_lost_readings_near_the_end_of_a_word_are_no_jump(tmp_path: Path) -> None:
-    """Two bytes near full scale, and 0 where the converter did not answer: counted on, 0 would read as 65536."""
-    counts = np.rint(64000.0 + 20.0 * SWING)
-    counts[[300, 301, 700, 1100]] = 0.0
-    assert "jumps" not in said(load(tmp_path, table("time_s,accel_g", T, counts)))

@@ -260,9 +260,7 @@ RECIPES = st.fixed_dictionaries(
             {},
             optional={
                 "header": st.booleans(),
-                "headerRows": st.lists(st.integers(-1, 99), max_size=3),
                 "commentRows": st.lists(st.integers(0, 99), max_size=3),
-                "commentChar": st.sampled_from(["#", "0", ""]),
                 "delimiter": st.sampled_from([",", "tab", " ", "0"]),
                 "decimalChar": st.sampled_from([".", ",", "-"]),
             },

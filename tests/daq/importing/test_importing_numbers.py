@@ -13,10 +13,6 @@ from daq.importing.numbers import parse_clock, parse_column, parse_number
     [
         ("1.5", ".", 1.5),
         (" -1,5 ", ",", -1.5),
-        ("1.234,5", ",", 1234.5),
-        ("1,234.5", ".", 1234.5),
-        ("1,234,567", ".", 1234567.0),
-        ("12 345,6", ",", 12345.6),
         ("1.5D+02", ".", 150.0),
         ("−3", ".", -3.0),
         ("+.5e-1", ".", 0.05),
@@ -35,7 +31,9 @@ def test_an_empty_cell_is_not_a_number(text: str) -> None:
     assert math.isnan(number)
 
 
-@pytest.mark.parametrize("text", ["abc", "1_000", "0x10", "1.2.3", "1,500", "1 2", "9" * 70, "12 mm"])
+@pytest.mark.parametrize(
+    "text", ["abc", "1_000", "0x10", "1.2.3", "1,500", "1 2", "9" * 70, "12 mm", "1,234.5", "12 345"]
+)
 def test_anything_else_is_refused(text: str) -> None:
     assert parse_number(text) is None
 
@@ -45,16 +43,16 @@ def test_anything_else_is_refused(text: str) -> None:
     [
         ("12:34:56.5", 45296.5),
         ("00:01,5", 1.5),
-        ("1970-01-02T00:00:01.25Z", 86401.25),
-        ("02.01.1970 00:00:01,25", 86401.25),
-        ("01/02/1970 00:00:01", 86401.0),
+        ("1970-01-02T00:00:01.25Z", 1.25),
+        ("02.01.1970 00:00:01,25", 1.25),
+        ("01/02/1970 00:00:01", 1.0),
     ],
 )
 def test_a_time_of_day_is_read_in_seconds(text: str, seconds: float) -> None:
     assert parse_clock(text) == seconds
 
 
-@pytest.mark.parametrize("text", ["12", "99.99.9999 00:00:00", "0000-01-01 00:00:00", "a:b:c", ":"])
+@pytest.mark.parametrize("text", ["12", "1970-01.02 00:00:00", "1970 00:00:00", "a:b:c", ":"])
 def test_what_is_no_clock_is_refused(text: str) -> None:
     assert parse_clock(text) is None
 

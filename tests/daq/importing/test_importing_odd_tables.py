@@ -483,7 +483,7 @@ def test_a_recipe_says_where_the_table_of_a_json_file_is(tmp_path: Path) -> None
     text = json.dumps({"log": other, "test": {"rows": {"t": T.tolist(), "x": X.tolist(), "e": V.tolist()}}})
     recipe = Recipe.model_validate(
         {"fields": ({"name": "t", "role": "time"}, {"name": "x", "role": "displacement"}),
-         "dialect": {"property": "test.rows", "itemKeys": ["t", "x"]}}
+         "dialect": {"property": "test.rows"}}
     )  # fmt: skip
     (recording,) = look_at(write(tmp_path, text, "a.json"), recipe=recipe).read().recordings
     np.testing.assert_array_equal(recording.samples[0], X)

@@ -58,11 +58,11 @@ fields = [{name = "x", role = "displacement", unit = "m"}]""", "m", X),
     "JSON without names": (json.dumps({"data": np.column_stack([T, X]).tolist()}), f"""recipe = 1
 fields = [{TIMED}, {{column = 2, role = "displacement", unit = "m"}}]""", "m", X),
     "names in two rows, a log above": (table("armed\ntime,angle\ns,deg", T, np.degrees(X)), """recipe = 1
-fields = [{name = "time s", role = "time", unit = "s"}, {name = "angle deg", role = "displacement", unit = "deg"}]
-dialect = {headerRows = [2, 3]}""", "rad", X),
+fields = [{column = 1, role = "time", unit = "s"}, {column = 2, role = "displacement", unit = "deg"}]
+dialect = {header = false, commentRows = [1, 2, 3]}""", "rad", X),
     "remarks of an odd sign": ("? a 1,2\n" + table("t,u", T, X), """recipe = 1
 fields = [{name = "t", role = "time"}, {name = "u", role = "displacement", sign = -1}]
-dialect = {commentChar = "?"}""", "m", -X),
+dialect = {commentRows = [1]}""", "m", -X),
 }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from daq.importing import ImportOptions
 from daq.importing.no_clock import NoClock
 from daq.importing.reading import look_at
 from daq.importing.recipe import Part, Recipe
+from daq.quality import judge
 
 T, U, V, A = swing(400)
 HEADER = "time_s,displacement_m"
@@ -260,3 +261,21 @@ def test_no_spline_is_drawn_through_stamps_that_are_mostly_equal(tmp_path: Path)
 
 def test_a_part_without_rows_is_refused_with_the_times_there_are(tmp_path: Path) -> None:
     assert "go from 7.3 s to 21.5" in refusal(tmp_path, changing(), stop=3.0)
+
+
+@pytest.mark.parametrize("regular", [True, False])
+def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
+    tmp_path: Path, regular: bool
+) -> None:
+    """A sensor that is asked faster than it answers, or a tracker that finds its ball now and then."""
+    times = np.arange(900) / 30.0
+    new = np.diff(np.floor(19.7 * times), prepend=-1.0) > 0.0
+    if not regular:
+        new = np.random.default_rng(4).random(900) < 0.4
+        new[0] = True
+    measured = times[np.maximum.accumulate(np.where(new, np.arange(900), 0))]
+    x = 40.0 * np.exp(-0.15 * measured) * np.cos(2 * np.pi * 1.1 * measured)
+    recording = load(tmp_path, table("t (s),x (mm)", times, np.round(x, 3)))
+    assert recording.rate == pytest.approx(30.0)
+    assert recording.samples.shape == (1, 900)
+    assert "x (mm) repeats the reading before it" in str(judge(recording))
