@@ -20,6 +20,7 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
+from identify.diagnosis.ranking import at_rest
 from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
@@ -124,18 +125,21 @@ def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last:
 
 
 def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
-    """Decide whether a name at a sure floor beats a walk and a law without a name, and each effect beside the others."""
+    """Decide whether a name beats a walk and a law without a name, and each effect beside the others."""
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
     if not added:
         return True
     last = WithoutName.beside(final)
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     if len(added) == 1:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         effects = {one.name: one.term.effect for one in near}
-        nats = {one.name: one.evidence for one in near}
+        nats = {
+            one.name: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
+            for one in near
+        }
         return weigh(baseline.fit, nats, effects, last).verdict == "named"
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     for effect in added:
         less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
         nats = {effect.name: evidence(less, final, scales)}
