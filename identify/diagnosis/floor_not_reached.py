@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import may_be_named
+from identify.diagnosis.beside_walk import weighed
 from identify.diagnosis.linear_gain import states_of_term
 from identify.diagnosis.nonparametric_force import free_form
 from identify.diagnosis.ranking import rank, rivals_of
@@ -59,8 +59,8 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     best = next(clear, None) if of_one_kind else None
     if best is not None:
         rest = tuple(entry for entry in alone.ranked if entry is not best)
-        named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
-        if may_be_named(baseline, named):
+        named = weighed(baseline, replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found))
+        if named is not None:
             return named
     return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
 
