@@ -20,6 +20,7 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
+from identify.diagnosis.ranking import at_rest
 from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
@@ -95,16 +96,16 @@ def _laws(problem: Problem, theta: Array) -> Iterator[Array]:
 
 @dataclass(frozen=True)
 class WithoutName:
-    """The evidence (nats) for what may act beside a fit: a random walk of spring and damper, and a smooth law beside it."""
+    """What may act beside a fit: a random walk of spring and damper, and beside it a smooth law with its evidence (nats)."""
 
-    walk: float
+    walk: RandomWalk
     law: float
 
     @classmethod
     def beside(cls, found: Fit) -> "WithoutName":
         """Weigh both beside a fit."""
         walk = walk_beside(found)
-        return cls(walk.evidence, smooth_law_beside(found, walk))
+        return cls(walk, smooth_law_beside(found, walk))
 
 
 def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
@@ -113,7 +114,7 @@ def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last:
     `last` is the fit with the leader; the others explain as much, and leave as much.
     """
     first = WithoutName.beside(before)
-    shift = last.walk - first.walk
+    shift = last.walk.evidence - first.walk.evidence
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
@@ -123,25 +124,33 @@ def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last:
     )
 
 
-def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
-    """Decide whether a name at a sure floor beats a walk and a law without a name, and each effect beside the others."""
+def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
+    """Weigh a name against a walk and a law without a name, each effect beside the others; None where it loses.
+
+    The judgement gets the walk that remains beside the name, if one does.
+    """
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
     if not added:
-        return True
+        return judged
     last = WithoutName.beside(final)
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     if len(added) == 1:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         effects = {one.name: one.term.effect for one in near}
-        nats = {one.name: one.evidence for one in near}
-        return weigh(baseline.fit, nats, effects, last).verdict == "named"
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    for effect in added:
-        less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
-        nats = {effect.name: evidence(less, final, scales)}
-        if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
-            return False
-    return True
+        nats = {
+            one.name: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
+            for one in near
+        }
+        if weigh(baseline.fit, nats, effects, last).verdict != "named":
+            return None
+    else:
+        for effect in added:
+            less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
+            nats = {effect.name: evidence(less, final, scales)}
+            if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
+                return None
+    return replace(judged, walk=last.walk) if last.walk.evidence > RIVALS_WITHIN else judged
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
@@ -165,7 +174,7 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"The residual is what {drift} would leave."
+        return f"Beside it {drift} remains."
     apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
 

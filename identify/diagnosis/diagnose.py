@@ -239,7 +239,8 @@ def diagnose(
     findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
-    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
+    walk = None if named else judgement.walk
+    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk)
     suspects = with_rivals(suspects, named, hypotheses)
     return Diagnosis(
         baseline=baseline,

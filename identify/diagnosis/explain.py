@@ -64,10 +64,10 @@ def explain(
         return explain_driven(confirmation, baseline.decays[0].window.unit)
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
-    if top is not None and top.confirmed is not None and confirmation is not None:
-        return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
         return _unknown(baseline, _best(suspects), shape, confirmation, suspects)
+    if top.confirmed is not None and confirmation is not None:
+        return explain_confirmed(suspects, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
@@ -225,7 +225,7 @@ def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -
 
 def _listed(suspects: list[Suspect]) -> str:
     first = sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]
-    shown = [f"{plain_name(s.effect.name)} ({three_figures(s.error_after)})" for s in first]
+    shown = [f"{plain_name(s.effect.name)} ({_times_the_noise(s.error_after)})" for s in first]
     more = len(suspects) - len(shown)
     return "; ".join([*shown, f"{more} more"] if more else shown)
 
@@ -238,7 +238,11 @@ def _explained(baseline: Baseline, suspect: Suspect) -> float:
 
 def _times_the_noise(reduced: float) -> str:
     """Return the rms of a residual as a multiple of the noise, from its reduced chi-square."""
-    return f"{three_figures(float(np.sqrt(reduced)))} times the noise"
+    return f"{_times(reduced)} the noise"
+
+
+def _times(reduced: float) -> str:
+    return f"{three_figures(float(np.sqrt(reduced)))} times"
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
@@ -286,7 +290,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
     """State the residual with each suspect alone, the best first."""
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
-    listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
+    listed = [f"{plain_name(s.effect.name)} {_times(s.error_after)}" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
         listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of what the model leaves")
     others = f", {among(listed)}" if listed else ""

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.beside_walk import weighed
 from identify.diagnosis.linear_gain import states_of_term
 from identify.diagnosis.nonparametric_force import free_form
 from identify.diagnosis.ranking import rank, rivals_of
@@ -56,10 +57,12 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     simplest_first = predicted or sorted(alike, key=lambda entry: complexity(entry.term.effect))
     clear = (e for e in simplest_first if e.term.effect.kind != "physics" or is_clear(e.fit, e.term))
     best = next(clear, None) if of_one_kind else None
-    if best is None:
-        return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
-    rest = tuple(entry for entry in alone.ranked if entry is not best)
-    return replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
+    if best is not None:
+        rest = tuple(entry for entry in alone.ranked if entry is not best)
+        named = weighed(baseline, replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found))
+        if named is not None:
+            return named
+    return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
 
 
 def unclaimed(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import may_be_named, with_walk
+from identify.diagnosis.beside_walk import weighed, with_walk
 from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.diagnosis.nonparametric_force import free_form
 from identify.diagnosis.ranking import rivals_of
@@ -80,9 +80,9 @@ def _judged(
     | who reaches the floor | sure floor | guessed floor |
     |---|---|---|
     | the model, and nothing is claimed | nothing is missing | the same |
-    | the best claim, with values that make sense | it is named, unless a walk explains as much | `at_a_guess` |
+    | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
-    | several effects together | they are named, unless a walk explains as much | not asked: two follow any guess |
+    | several effects together | they are named, if they pass `weighed` | not asked: two follow any guess |
     | none | `by_curves` | the same |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
@@ -102,8 +102,9 @@ def _judged(
         named = _of_several(baseline, ranked, found)
     if not baseline.floor_is_sure:
         return at_a_guess(baseline, named, predict())
-    if may_be_named(baseline, named):
-        return named
+    kept = weighed(baseline, named)
+    if kept is not None:
+        return kept
     shape = free_form(baseline, baseline.fit)
     return Judgement("unknown_effect", named.ranked, baseline.fit, shape=shape)
 

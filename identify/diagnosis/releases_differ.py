@@ -40,7 +40,7 @@ def on_second_thought(first: Baseline, baseline: Baseline, ranked: tuple[Candida
 
     `first` is the baseline with one spring and damper for all releases.
     Where the best suspect has made the releases differ, they share spring and damper; where it leaves that they do, or is
-    not distinguishable from that (4.6 nats), each has its own: that releases differ is the smaller claim.
+    not distinguishable from that (3.9 nats), each has its own: that releases differ is the smaller claim.
     """
     top = ranked[0] if ranked and ranked[0].claimed else None
     if top is None:

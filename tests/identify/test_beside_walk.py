@@ -95,9 +95,9 @@ def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
     beside = WithoutName.beside(found.final)
-    assert max(beside.walk, beside.law) < 0.0
+    assert max(beside.walk.evidence, beside.law) < 0.0
     alone = WithoutName.beside(fit_baseline((prepared,), base_model()).fit)
-    assert 0.0 < alone.walk + alone.law < found.suspects[0].evidence
+    assert 0.0 < alone.walk.evidence + alone.law < found.suspects[0].evidence
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from identify.diagnosis.suspects import Candidate
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -137,3 +138,19 @@ def test_fewer_than_five_cycles_tell_no_effects_apart():
     found = diagnose(FreeDecay(50.0, u + 1e-3 * np.random.default_rng(1).standard_normal(len(time))))
     assert (found.verdict, found.named) == ("not_enough_data", ())
     assert found.explanation.startswith("Fewer than five cycles")
+
+
+@pytest.mark.parametrize(
+    ("hidden", "strength", "seed", "rest"),
+    [("wandering_damping", 0.001, 8063, 0), ("amplitude_switched_damping", 0.002, 9068, 256)],
+)
+def test_a_law_that_reaches_a_guessed_floor_must_also_beat_a_random_walk_and_a_smooth_law(
+    hidden: str, strength: float, seed: int, rest: int
+):
+    simulated = draw(hidden, strength, seed)
+    first = 256 - rest
+    acceleration = None if rest else simulated.acceleration[first:]
+    found = diagnose(FreeDecay(simulated.rate, simulated.displacement[first:], acceleration))
+    assert not found.baseline.floor_is_sure
+    assert found.suspects[0].claimed
+    assert found.named == ()
