@@ -88,7 +88,7 @@ def _viewer(folder: Path) -> None:
     from station.operations.identifying import identify_session, write_view
     from station.settings import Settings
     from station.story.preparation import options_for
-    from station.views.photograph import photograph
+    from bench.photograph import photograph
 
     with TemporaryDirectory() as name:
         settings = Settings(sessions=Path(name) / "sessions")
