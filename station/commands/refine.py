@@ -9,7 +9,6 @@ from station.commands.options import (
     GAIN,
     JSON,
     MODEL,
-    NO_VIEWER,
     SESSION,
     declared,
     known_effect,
@@ -21,6 +20,7 @@ from station.settings import Settings
 
 
 @declared("refine")
+@click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)
 def command(
     settings: Settings,
     session: str = SESSION,
@@ -38,7 +38,6 @@ def command(
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
     gain_percent: float | None = GAIN,
-    no_viewer: bool = NO_VIEWER,
     as_json: bool = JSON,
 ) -> None:
     """Add an effect to the model of SESSION and watch the error fall.
@@ -77,8 +76,3 @@ def command(
     weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
     document = ladder_document(opened, ladder)
     answer(as_json, document, told(ladder, weighing), *next_command(ladder, opened.folder), full=True)
-    if not no_viewer:
-        from station.operations import viewer_tabs
-
-        if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
-            progress("the viewer shows the ladder: one tab a step")
