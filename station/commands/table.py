@@ -7,7 +7,7 @@ from station.exits import UsageProblem
 from station.output import next_line, print_json, progress
 from station.settings import Settings
 
-FORMATS = ("text", "csv", "latex")
+FORMATS = ("text", "latex")
 
 
 @declared("table")
@@ -45,8 +45,7 @@ def command(
     if as_json:
         print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:
-        writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
-        click.echo(writers[form](tables), nl=False)
+        click.echo(table.as_text(tables) if form == "text" else table.as_latex(tables), nl=False)
         step = next_line("diagnose" if len(folders) > 1 else "compare", *folders)
         if form == "text":
             click.echo(f"\n{step}")

@@ -1,9 +1,7 @@
 """The paper's Table 1 (each release) and Table 2 (mean and standard deviation), for any number of sessions."""
 
-import csv
 import io
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from statistics import fmean, stdev
 from typing import Any
@@ -95,31 +93,6 @@ def _mean(cells: list[Row | None]) -> Row | None:
     values = [cell["value"] for cell in known]
     std = stdev(values) if len(values) > 1 else math.nan
     return {"mean": fmean(values), "std": std, "unit": known[0]["unit"]}
-
-
-def as_csv(tables: Tables) -> str:
-    """Write both tables as CSV, one under the other, each with a header that carries the units."""
-    names = [(f"{name} ({label})", tables.units[name]) for name, label in tables.columns]
-    head = ["session", "amplitude", "amplitude unit", *_in_two("", names), "quotable"]
-    first = [
-        [row["session"], row["amplitude"], row["amplitude_unit"],
-         *_cells(row[name] for name, _ in names), "yes" if row["quotable"] else "no"]
-        for row in tables.table_1
-    ]  # fmt: skip
-    second = [[row["method"], *_cells(row[name] for name in tables.units)] for row in tables.table_2]
-    out = io.StringIO()
-    means = ["method", *_in_two("mean ", tables.units.items())]
-    csv.writer(out, lineterminator="\n").writerows([head, *first, [], means, *second])
-    return out.getvalue()
-
-
-def _in_two(before: str, names: Iterable[tuple[str, str]]) -> list[str]:
-    """Name the columns of values and of their errors."""
-    return [f"{what}{name} [{unit}]" for name, unit in names for what in (before, "std ")]
-
-
-def _cells(cells: Iterable[Row | None]) -> list[float | str | None]:
-    return [value for cell in cells for value in (["", ""] if cell is None else list(cell.values())[:2])]
 
 
 def told(tables: Tables) -> tuple[Table, ...]:

@@ -1,8 +1,5 @@
-"""The paper's tables: Table 1 line by line, Table 2 its mean and standard deviation, in four formats."""
+"""The paper's tables: Table 1 line by line, Table 2 its mean and standard deviation, as text, LaTeX and JSON."""
 
-import csv
-import io
-from statistics import fmean, stdev
 
 import pytest
 
@@ -89,16 +86,6 @@ def test_text_names_every_release_and_both_methods_within_80_columns(tables):
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-def test_csv_holds_every_digit(tables):
-    first, second = table.as_csv(tables).split("\n\n")
-    rows = list(csv.DictReader(io.StringIO(first)))
-    assert [float(row["K (WT) [N/m]"]) for row in rows] == [values[2] for values in WT]
-    assert [float(row["mu_1 (RFS) [1/s]"]) for row in rows] == [values[1] for values in RFS]
-    means = list(csv.DictReader(io.StringIO(second)))
-    assert float(means[0]["mean K [N/m]"]) == fmean(values[2] for values in WT)
-    assert float(means[1]["std mu_0 [m/s^2]"]) == stdev(values[0] for values in RFS)
-
-
 def test_latex_has_as_many_cells_in_every_line_as_in_its_head(tables):
     for tabular in table.as_latex(tables).split("\\begin{tabular}")[1:]:
         lines = [line for line in tabular.splitlines() if "&" in line]
@@ -117,5 +104,5 @@ def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
     tables = table.make_tables(documents)
     assert tables.table_1[0]["mu_0 (WT)"] is None
     assert tables.table_2[0] == {"method": "WT", "mu_0": None, "mu_1": None, "K": None}
-    for text in (table.as_text(tables), table.as_csv(tables), table.as_latex(tables)):
+    for text in (table.as_text(tables), table.as_latex(tables)):
         assert "100" in text
