@@ -30,4 +30,4 @@ def command(
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
     step = "report" if compared.judged.at_floor else "diagnose"
-    answer(as_json, document.plain(), told(compared), step, opened.folder, full=full)
+    answer(as_json, document, told(compared), step, opened.folder, full=full)

@@ -35,9 +35,9 @@ def command(
     documents, folders = [document for _, document in found], [session.folder for session, _ in found]
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
-    if len({document.record.unit for document in documents}) > 1:
+    if len({document["record"]["unit"] for document in documents}) > 1:
         raise UsageProblem("some sessions are in m and some in rad: make one table of each")
-    if len({document.record.mass_kg is None for document in documents}) > 1:
+    if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )

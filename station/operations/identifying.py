@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from daq.errors import NotASession
 from daq.session import Session
@@ -11,7 +12,7 @@ from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
 from station.results.documents import keep_document
-from station.results.identification_document import NAME, IdentificationDocument, identification_document
+from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
@@ -23,7 +24,7 @@ VIEW = "identification.rrd"
 
 def identify_session(
     session: Session, options: Options, progress: Progress = silent
-) -> tuple[Identification, IdentificationDocument]:
+) -> tuple[Identification, dict[str, Any]]:
     """Identify a session and write results/identification.json; return the identification and its document.
 
     The model that was found is judged on the same record, so that nobody quotes what does not explain it.
@@ -61,7 +62,7 @@ def kept_options(session: Session, settings: Settings, mass: float | None = None
     return replace(options, max_order=orders.max_order, stiffness_orders=tuple(orders.stiffness_orders))
 
 
-def identified(session: Session, settings: Settings) -> IdentificationDocument:
+def identified(session: Session, settings: Settings) -> dict[str, Any]:
     """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
     result, document = identify_session(session, kept_options(session, settings))
     if result.wavelet is None and result.restoring_force is None:

@@ -9,8 +9,6 @@ from typing import Any
 from rich.console import Console
 
 from identify.formatting import DASH, SPACE, with_error
-from station.results.documents import EstimateDocument
-from station.results.identification_document import IdentificationDocument
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
 from station.text.numbers import scale, typeset, typeset_unit
@@ -53,19 +51,19 @@ class Tables:
         return "" if all(row["quotable"] for row in self.table_1) else DO_NOT_QUOTE
 
 
-def make_tables(documents: list[IdentificationDocument]) -> Tables:
+def make_tables(documents: list[dict[str, Any]]) -> Tables:
     """Make both tables of identified sessions, which share their units."""
     cells = [_cells_of(document) for document in documents]
-    units = {key.partition(" ")[0]: one.unit for found in cells for key, one in found.items()}
+    units = {key.partition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
     units = {name: units[name] for name in sorted(units, key=lambda name: (name == "K", name))}
     keys = [f"{name} ({label})" for name in units for label in METHODS]
     table_1: list[Row] = [
         {
-            "session": document.session,
-            "amplitude": document.release.amplitude,
-            "amplitude_unit": document.record.unit,
-            "quotable": document.adequacy is None or document.adequacy.quotable,
-            **{key: found[key].plain() if key in found else None for key in keys},
+            "session": document["session"],
+            "amplitude": document["release"]["amplitude"],
+            "amplitude_unit": document["record"]["unit"],
+            "quotable": document["adequacy"] is None or document["adequacy"]["quotable"],
+            **{key: found.get(key) for key in keys},
         }
         for document, found in zip(documents, cells, strict=True)
     ]
@@ -76,13 +74,13 @@ def make_tables(documents: list[IdentificationDocument]) -> Tables:
     return Tables(units, table_1, table_2)
 
 
-def _cells_of(document: IdentificationDocument) -> dict[str, EstimateDocument]:
+def _cells_of(document: dict[str, Any]) -> dict[str, Row]:
     """Return the estimates of a session by "K (WT)"."""
     found = {}
-    for label, method in zip(METHODS, (document.wavelet, document.restoring_force), strict=True):
+    for label, method in zip(METHODS, (document["wavelet"], document["restoring_force"]), strict=True):
         if method is not None:
-            found[f"K ({label})"] = method.stiffness
-            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method.damping)}
+            found[f"K ({label})"] = method["stiffness"]
+            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method["damping"])}
     return found
 
 
