@@ -26,7 +26,6 @@ class Request:
     """The analysis that every session gets."""
 
     settings: Settings
-    gain_percent: float | None = None
     diagnose: bool = False
 
 
@@ -40,17 +39,16 @@ def work_on(folder: Path, request: Request) -> Work:
     if session.info.state is State.RECORDING:
         raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
     options = options_for(session, request.settings)
-    gain, diagnose = request.gain_percent, request.diagnose
     dependent = {
         "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
         "rate_std_hz": session.info.rate_std_hz,
         "options": asdict(options),
-        "settings": {"gain_percent": gain, "diagnose": diagnose},
+        "diagnose": request.diagnose,
         "program": version_of(DISTRIBUTION, ""),
     }
     checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
     checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
-    return Work(folder, checksum.hexdigest(), options, gain, diagnose)
+    return Work(folder, checksum.hexdigest(), options, request.diagnose)
 
 
 def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[SessionSummary, ...]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, JSON, VARIES, argument, declared, existing, option
+from station.commands.options import JSON, VARIES, argument, declared, existing, option
 from station.output import progress
 from station.settings import Settings
 
@@ -44,7 +44,6 @@ def command(
     workers: int | None = option(
         "Processes here (default: one a core).", type=click.IntRange(1, 1024), metavar="N"
     ),
-    gain_percent: float | None = GAIN,
     as_json: bool = JSON,
 ) -> None:
     """Identify hundreds of sessions and look at them together.
@@ -73,7 +72,7 @@ def command(
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
     known = _of_sessions(known, sources, metadata)
-    request = Request(settings, gain_percent, diagnose)
+    request = Request(settings, diagnose)
     processes = min(workers or cores(), len(sources))
     try:
         with _watched(len(sources)) as watch:

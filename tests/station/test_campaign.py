@@ -37,7 +37,7 @@ def campaign(folder, crew=None, *, diagnose=False, settings=None):
     sources = find_sources((str(folder),), settings)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("station.campaign.run.performed", crew)
-        return run_campaign(sources, Request(settings, None, diagnose), folder / "campaign", 1), crew
+        return run_campaign(sources, Request(settings, diagnose), folder / "campaign", 1), crew
 
 
 def test_every_session_has_its_row_and_a_failed_one_its_reason(made):
