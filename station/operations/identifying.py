@@ -49,9 +49,9 @@ def identify_session(
     return result, document
 
 
-def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:
+def kept_options(session: Session, settings: Settings) -> Options:
     """Return the options with the orders that the operator chose when the session was identified, where they did."""
-    options = options_for(session, settings, mass)
+    options = options_for(session, settings)
     try:
         kept = kept_identification(session)
     except UsageProblem:  # altered: it is made again

@@ -50,19 +50,13 @@ def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing:
     return Weighing(options.mass, options.mass_std, unit)
 
 
-def prepare_session(
-    session: Session,
-    settings: Settings,
-    *,
-    mass: float | None = None,
-    beside_others: bool = False,
-) -> PreparedDecay:
+def prepare_session(session: Session, settings: Settings, *, beside_others: bool = False) -> PreparedDecay:
     """Return the release of a session, ready to be fitted; a short one will do `beside_others`.
 
-    `mass` (kg) replaces the session's. Raises NotIdentifiable, with the session's name, when it holds too little.
+    Raises NotIdentifiable, with the session's name, when it holds too little.
     """
     try:
-        options = options_for(session, settings, mass)
+        options = options_for(session, settings)
         return prepare_recording(session.recording(), options, beside_others=beside_others)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
