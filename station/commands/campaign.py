@@ -53,7 +53,7 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
-    from station.campaign.sources import FOLDER, Request, default_folder, find_sources, is_folder_of_files
+    from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
     from station.campaign.workers import cores
     from station.exits import Answered
@@ -72,11 +72,10 @@ def command(
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
     known = _of_sessions(known, sources, metadata)
-    request = Request(settings, diagnose)
     processes = min(workers or cores(), len(sources))
     try:
         with _watched(len(sources)) as watch:
-            document = campaign(sources, request, kept, processes, watch, known)
+            document = campaign(sources, settings, kept, processes, watch, known, diagnose=diagnose)
     except KeyboardInterrupt:
         progress("finished sessions are kept, and the same command continues with the rest")
         raise
