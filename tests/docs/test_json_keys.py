@@ -4,12 +4,19 @@ import re
 
 import pytest
 
+from identify.free_decay import FreeDecay
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
 from station.results.campaign_document import CampaignDocument
+from station.results.comparison_document import comparison_document
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.documents import Document
 from station.results.guide_document import GuideDocument
 from station.results.identification_document import identification_document
 from station.results.validation_document import ValidationDocument
+from station.story.known_model import KnownModel
+from station.story.pipeline import compare
 from tests.docs.test_pages import COMMANDS_PAGE
 from tests.station.synthetic import identification
 
@@ -41,6 +48,13 @@ def test_the_keys_of_a_command_are_those_of_its_document(command: str, document:
 
 def test_the_keys_of_an_identification_are_those_on_the_page() -> None:
     check_page("identify SESSION", set(identification_document("one", identification())))
+
+
+def test_the_keys_of_a_comparison_are_those_on_the_page() -> None:
+    sample = draw(None, 0.0, 1)
+    prepared = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
+    compared = compare("one", prepared, KnownModel(base_model()))
+    check_page("compare SESSION", set(comparison_document(compared)))
 
 
 def check_page(command: str, fields: set[str]) -> None:
