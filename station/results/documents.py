@@ -15,6 +15,8 @@ from station.story.residual import noise_multiple, residual_words
 
 LARGEST = 50 << 20
 
+Content = TypeVar("Content")
+
 
 Number = Annotated[
     float | None, BeforeValidator(lambda n: None if isinstance(n, float) and not math.isfinite(n) else n)
@@ -77,14 +79,6 @@ class RefusedSession(Part):
     reason: str
 
 
-class ChannelNoise(Part):
-    """The noise of one channel, its standard error and where it was seen."""
-
-    std: Number
-    uncertainty: Number
-    source: str
-
-
 class Errors(Part):
     """The three errors of a model, or of noise alone; None where one is not finite."""
 
@@ -127,11 +121,9 @@ def picked(result: object, *names: str, **renamed: str) -> Any:
     }
 
 
-def plain(content: dict[str, Any]) -> dict[str, Any]:
+def plain(content: Content) -> Content:
     """Write values as JSON has them: results by their fields, arrays as lists, null for what is not finite."""
-    made: dict[str, Any] = to_jsonable_python(
-        content, inf_nan_mode="null", fallback=lambda array: array.tolist()
-    )
+    made: Content = to_jsonable_python(content, inf_nan_mode="null", fallback=lambda array: array.tolist())
     return made
 
 
