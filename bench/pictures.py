@@ -84,11 +84,11 @@ def main(folder: Path) -> None:
 
 def _viewer(folder: Path) -> None:
     """Take the tabs of the viewer that the pages show."""
+    from bench.photograph import photograph
     from station.operations.examples import open_example
     from station.operations.identifying import identify_session, write_view
     from station.settings import Settings
     from station.story.preparation import options_for
-    from station.views.photograph import photograph
 
     with TemporaryDirectory() as name:
         settings = Settings(sessions=Path(name) / "sessions")

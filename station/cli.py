@@ -6,6 +6,7 @@ answers at once. To add a command: write the file, add a line to COMMANDS.
 
 import gc
 import importlib
+import io
 import re
 import sys
 import traceback
@@ -66,7 +67,10 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command of a line; one that is mistyped gets the nearest names."""
+        """Find the command of a line, which is kept as it was typed; one that is mistyped gets the nearest names."""
+        from station.output import TYPED
+
+        ctx.meta[TYPED] = list(args)
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
             from station.suggestions import did_you_mean
 
@@ -102,12 +106,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     What a command imports is no garbage: looking for it there at every 700 objects would take a sixth of a second.
     """
     from station.output import say_in_one_line
-    from station.plain_letters import write_what_the_terminal_has
     from station.working_folder import import_nothing_from_it
 
     gc.set_threshold(100_000)
     import_nothing_from_it()
-    write_what_the_terminal_has(sys.stdout, sys.stderr)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal with few letters shows "?" for what it lacks
     say_in_one_line()
     given = list(sys.argv[1:] if arguments is None else arguments)
     sys.exit(run(given))

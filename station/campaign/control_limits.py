@@ -1,9 +1,9 @@
 """Control limits of an individuals chart: which values scatter more than the others do from one to the next."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
+
+from station.results.campaign_document import Limits
 
 MEDIAN_RANGE = 0.9539
 """Median of the range of two values from a normal distribution, in standard deviations: sqrt 2 * 0.6745."""
@@ -12,30 +12,8 @@ WIDTH = 3.0
 FEWEST = 5
 
 
-@dataclass(frozen=True, eq=False)
-class ControlLimits:
-    """The centre and the spread of a series, and the limits: three spreads to either side.
-
-    `outside` (n,) marks the values beyond them.
-    """
-
-    centre: float
-    spread: float
-    outside: NDArray[np.bool_]
-
-    @property
-    def lower(self) -> float:
-        """The lower limit."""
-        return self.centre - WIDTH * self.spread
-
-    @property
-    def upper(self) -> float:
-        """The upper limit."""
-        return self.centre + WIDTH * self.spread
-
-
-def control_limits(values: NDArray[np.float64]) -> ControlLimits | None:
-    """Return the limits of values (n,) in the order in which they were made; None with fewer than five.
+def control_limits(values: NDArray[np.float64]) -> tuple[Limits, NDArray[np.bool_]] | None:
+    """Find the limits of values (n,) in the order in which they were made, and which are outside; None for fewer than five.
 
     Centre is the median, spread the median moving range / 0.954: the chart of individuals in its robust form
     (Montgomery, Statistical Quality Control, 6.4), of which a single outlier moves neither. A drift does not widen
@@ -49,4 +27,6 @@ def control_limits(values: NDArray[np.float64]) -> ControlLimits | None:
     if spread == 0.0:
         spread = float(np.median(np.abs(values - centre))) / 0.6745
     slack = 1e-12 * max(abs(centre), float(np.max(np.abs(values))))
-    return ControlLimits(centre, spread, np.abs(values - centre) > WIDTH * spread + slack)
+    off = WIDTH * spread
+    limits = Limits(centre=centre, spread=spread, lower=centre - off, upper=centre + off)
+    return limits, np.abs(values - centre) > off + slack

@@ -10,11 +10,12 @@ from pathlib import Path
 from daq.errors import StationError
 from daq.session import SessionSummary
 from daq.storage import read_regular, refused, write_whole
-from station.campaign.sources import Request, work_on
+from station.campaign.sources import work_on
 from station.campaign.work import Work
 from station.campaign.workers import performed
 from station.results.campaign_document import SessionResult
 from station.results.documents import LARGEST, RefusedSession
+from station.settings import Settings
 from station.story.pipeline import silent
 
 SESSIONS = "sessions"
@@ -39,10 +40,12 @@ class Run:
 
 def run_campaign(
     sources: tuple[SessionSummary, ...],
-    request: Request,
+    settings: Settings,
     folder: Path,
     workers: int,
     watch: Watch = silent,
+    *,
+    diagnose: bool = False,
 ) -> Run:
     """Bring the results of all sources up to date; each is kept in `folder` the moment it is there.
 
@@ -64,7 +67,7 @@ def run_campaign(
             try:
                 if source.info is None:
                     raise StationError(source.problem or "its metadata cannot be read")
-                work = work_on(source.folder, request)
+                work = work_on(source.folder, settings, diagnose)
             except StationError as error:
                 take(source, " ".join(str(error).split()))
                 continue

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
 from daq.errors import StationError
@@ -21,36 +21,26 @@ DISTRIBUTION = "free-decay-station"
 FOLDER = "campaign"
 
 
-@dataclass(frozen=True)
-class Request:
-    """The analysis that every session gets."""
-
-    settings: Settings
-    gain_percent: float | None = None
-    diagnose: bool = False
-
-
-def work_on(folder: Path, request: Request) -> Work:
+def work_on(folder: Path, settings: Settings, diagnose: bool) -> Work:
     """Make the work on a session; StationError when its files cannot be read, or are still written.
 
-    The key is a checksum of all that the result depends on: readings, calibrations, options, the request, the
+    The key is a checksum of all that the result depends on: readings, calibrations, options, the
     program. What else the metadata say is read afresh for every table.
     """
     session = Session.open(folder)
     if session.info.state is State.RECORDING:
         raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
-    options = options_for(session, request.settings)
-    gain, diagnose = request.gain_percent, request.diagnose
+    options = options_for(session, settings)
     dependent = {
         "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
         "rate_std_hz": session.info.rate_std_hz,
         "options": asdict(options),
-        "settings": {"gain_percent": gain, "diagnose": diagnose},
+        "diagnose": diagnose,
         "program": version_of(DISTRIBUTION, ""),
     }
     checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
     checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
-    return Work(folder, checksum.hexdigest(), options, gain, diagnose)
+    return Work(folder, checksum.hexdigest(), options, diagnose)
 
 
 def find_sources(arguments: tuple[str, ...], settings: Settings) -> tuple[SessionSummary, ...]:

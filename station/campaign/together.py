@@ -14,7 +14,6 @@ from identify.arrays import Array
 from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign
-from station.campaign.sources import Request
 from station.campaign.trend import find_trend, sure_ones
 from station.results.campaign_document import (
     NAME,
@@ -25,6 +24,7 @@ from station.results.campaign_document import (
     SessionResult,
     TrendDocument,
 )
+from station.settings import Settings
 from station.story.pipeline import silent
 from station.text import campaign_text as table
 from station.text.numbers import or_nan
@@ -46,15 +46,17 @@ class Series:
 
 def campaign(
     sources: tuple[SessionSummary, ...],
-    request: Request,
+    settings: Settings,
     folder: Path,
     workers: int,
     watch: Watch = silent,
     metadata: dict[str, Known] | None = None,
+    *,
+    diagnose: bool = False,
 ) -> CampaignDocument:
     """Bring the results of all sources up to date, and keep what they say together; arguments as `run_campaign`."""
-    run = run_campaign(sources, request, folder, workers, watch)
-    document = campaign_document(folder, request.diagnose, run, metadata)
+    run = run_campaign(sources, settings, folder, workers, watch, diagnose=diagnose)
+    document = campaign_document(folder, diagnose, run, metadata)
     files = {NAME: document.model_dump_json(indent=1) + "\n"}
     files |= {table.SESSIONS: table.sessions_csv(document), table.TRENDS: table.trends_csv(document)}
     for name, content in files.items():
@@ -130,9 +132,10 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
 
 def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
     there = np.flatnonzero(np.isfinite(series.values))
-    limits = control_limits(series.values[there])
-    if limits is None:
+    found = control_limits(series.values[there])
+    if found is None:
         return None
+    limits, is_outside = found
     outside = [
         OutsideDocument(
             session=rows[i].result.session,
@@ -140,7 +143,7 @@ def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
             std=float(series.std[i]),
             sigmas=float((series.values[i] - limits.centre) / limits.spread) if limits.spread else math.inf,
         )
-        for i in there[limits.outside]
+        for i in there[is_outside]
     ]
     known = series.std[there][np.isfinite(series.std[there])]
     return ChartDocument.of(
@@ -168,7 +171,6 @@ def _trends(parameters: list[Series], against: list[Series]) -> list[TrendDocume
             against=variable.name,
             unit=f"{parameter.unit} per {variable.unit}",
             sure=is_sure,
-            sessions=trend.count,
         )
         for (parameter, variable, trend), is_sure in zip(found, sure, strict=True)
     ]

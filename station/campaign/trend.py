@@ -1,12 +1,11 @@
 """A trend: a straight line through values, weighted by their errors and by the scatter between sessions."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from identify.arrays import Array
+from station.results.campaign_document import Trend
 
 FEWEST = 5
 FEWEST_PLACES = 3
@@ -14,21 +13,6 @@ FAR = 5.0
 """Standard deviations off the robust line from which on a value is left out: it is an outlier, not the trend."""
 
 MOST_PAIRED = 800
-
-
-@dataclass(frozen=True)
-class Trend:
-    """The slope of y against x with its standard error, and the p-value of a slope of zero.
-
-    `scatter` is tau, in the unit of y; `count` values were used and `left_out` lay too far off.
-    """
-
-    slope: float
-    std: float
-    p_value: float
-    scatter: float
-    count: int
-    left_out: int
 
 
 def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
@@ -56,7 +40,7 @@ def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
     if not error > 0.0:
         return None
     p_value = float(2.0 * stats.t.sf(abs(slope) / error, len(x) - 2))
-    return Trend(slope, error, p_value, tau, len(x), left_out)
+    return Trend(slope=slope, std=error, p_value=p_value, sessions=len(x), left_out=left_out)
 
 
 def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:

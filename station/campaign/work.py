@@ -22,15 +22,11 @@ from station.story.preparation import Options, locate, prepare_recording
 
 @dataclass(frozen=True)
 class Work:
-    """One session for a worker: its folder, the key of its result, and how it is analysed.
-
-    `gain_percent` is the relative uncertainty of the gain between the channels where it is not the certificates'.
-    """
+    """One session for a worker: its folder, the key of its result, and how it is analysed."""
 
     folder: Path
     key: str
     options: Options
-    gain_percent: float | None = None
     diagnose: bool = False
 
 
@@ -60,7 +56,7 @@ def _contents(work: Work) -> dict[str, Any]:
         "refusals": dict(result.refusals),
     }
     try:
-        prepared = prepare_recording(recording, work.options, work.gain_percent, found)
+        prepared = prepare_recording(recording, work.options, found)
         if work.diagnose:
             fitted = _diagnosed(prepared)
         else:

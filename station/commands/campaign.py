@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, JSON, VARIES, argument, declared, existing, option
+from station.commands.options import JSON, VARIES, argument, declared, existing, option
 from station.output import progress
 from station.settings import Settings
 
@@ -44,7 +44,6 @@ def command(
     workers: int | None = option(
         "Processes here (default: one a core).", type=click.IntRange(1, 1024), metavar="N"
     ),
-    gain_percent: float | None = GAIN,
     as_json: bool = JSON,
 ) -> None:
     """Identify hundreds of sessions and look at them together.
@@ -54,7 +53,7 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
-    from station.campaign.sources import FOLDER, Request, default_folder, find_sources, is_folder_of_files
+    from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
     from station.campaign.workers import cores
     from station.exits import Answered
@@ -73,11 +72,10 @@ def command(
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
     known = _of_sessions(known, sources, metadata)
-    request = Request(settings, gain_percent, diagnose)
     processes = min(workers or cores(), len(sources))
     try:
         with _watched(len(sources)) as watch:
-            document = campaign(sources, request, kept, processes, watch, known)
+            document = campaign(sources, settings, kept, processes, watch, known, diagnose=diagnose)
     except KeyboardInterrupt:
         progress("finished sessions are kept, and the same command continues with the rest")
         raise

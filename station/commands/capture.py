@@ -152,7 +152,7 @@ def finish(
         "session": str(session.folder),
         "viewer_recording": str(file),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document.plain(),
+        "identification": document,
     }
     words = told(session.folder.name, result)
     words = replace(words, brief=(*words.brief, *note))

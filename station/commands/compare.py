@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from station.commands.options import EFFECTS, FULL, JSON, MASS_INSTEAD, MODEL, SESSION, declared
+from station.commands.options import EFFECTS, FULL, JSON, MODEL, SESSION, declared
 from station.settings import Settings
 
 
@@ -12,7 +12,6 @@ def command(
     session: str = SESSION,
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
-    mass: float | None = MASS_INSTEAD,
     full: bool = FULL,
     as_json: bool = JSON,
 ) -> None:
@@ -28,6 +27,6 @@ def command(
     from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
-    compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
+    compared, document = compare_session(opened, settings, model_file, effects_file)
     step = "report" if compared.judged.at_floor else "diagnose"
-    answer(as_json, document.plain(), told(compared), step, opened.folder, full=full)
+    answer(as_json, document, told(compared), step, opened.folder, full=full)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, JSON, MODEL, SESSIONS, VARIES, declared, option
+from station.commands.options import EFFECTS, FULL, JSON, MODEL, SESSIONS, VARIES, declared, option
 from station.exits import Answered
 from station.output import print_json, progress
 from station.settings import Settings
@@ -17,7 +17,6 @@ def command(
     sessions: tuple[str, ...] = SESSIONS,
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
-    gain_percent: float | None = GAIN,
     worth: float = option(
         "Name no force that removes less than this share of the motion.",
         type=click.FloatRange(0.0, 100.0),
@@ -47,7 +46,7 @@ def command(
     from station.text.layout import answer
 
     try:
-        opened = open_sessions(sessions, settings, gain_percent, declared([varies]))
+        opened = open_sessions(sessions, settings, declared([varies]))
     except NotIdentifiable as refusal:
         if as_json:
             names = tuple(Path(session).name for session in sessions)

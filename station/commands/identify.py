@@ -40,7 +40,7 @@ def command(
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options, progress)
     words = told(opened.folder.name, result, full=full)
-    answer(as_json, document.plain(), words, next_command(result), opened.folder)
+    answer(as_json, document, words, next_command(result), opened.folder)
     refuse_if_nothing(result)
 
 

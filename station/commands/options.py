@@ -137,12 +137,6 @@ MODEL = option(
     metavar="FILE",
 )
 EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE", is_eager=True)
-GAIN = option(
-    "Uncertainty of the gain between the channels.",
-    "--gain-uncertainty",
-    type=click.FloatRange(0, 50),
-    metavar="PERCENT",
-)
 MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE, metavar="KG")
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")

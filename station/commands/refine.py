@@ -6,7 +6,6 @@ import click
 
 from station.commands.options import (
     EFFECTS,
-    GAIN,
     JSON,
     MODEL,
     NO_VIEWER,
@@ -37,7 +36,6 @@ def command(
     reset: bool = option("Begin the ladder again."),
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
-    gain_percent: float | None = GAIN,
     no_viewer: bool = NO_VIEWER,
     as_json: bool = JSON,
 ) -> None:
@@ -62,7 +60,7 @@ def command(
     opened = open_session(session, settings.sessions)
     if wanted or reset or model_file is not None or seen(opened, LADDER) is None:
         opened.require_writable()
-    refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
+    refinement = open_refinement(opened, settings, model_file, effects_file, reset=reset)
     ladder = refinement.ladder
     for name in added:
         ladder = add(replace(refinement, ladder=ladder), name)

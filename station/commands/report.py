@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import JSON, MASS_INSTEAD, SESSION, declared, option
+from station.commands.options import JSON, SESSION, declared, option
 from station.output import next_line, print_json, progress, say
 from station.settings import Settings
 
@@ -20,8 +20,6 @@ def command(
         type=NO_FOLDER,
         metavar="FILE",
     ),
-    mass: float | None = MASS_INSTEAD,
-    diagnose: bool = option("Diagnose first (takes some seconds)."),
     with_browser: bool = option("Open it in the browser.", "--open"),
     as_json: bool = JSON,
 ) -> None:
@@ -34,7 +32,7 @@ def command(
     from station.results.sessions import open_session
 
     opened = open_session(session, settings.sessions)
-    report = write_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, progress=progress)
+    report = write_report(opened, output, settings=settings, progress=progress)
     if as_json:
         print_json(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}

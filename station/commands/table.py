@@ -7,7 +7,7 @@ from station.exits import UsageProblem
 from station.output import next_line, print_json, progress
 from station.settings import Settings
 
-FORMATS = ("text", "csv", "latex")
+FORMATS = ("text", "latex")
 
 
 @declared("table")
@@ -35,9 +35,9 @@ def command(
     documents, folders = [document for _, document in found], [session.folder for session, _ in found]
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
-    if len({document.record.unit for document in documents}) > 1:
+    if len({document["record"]["unit"] for document in documents}) > 1:
         raise UsageProblem("some sessions are in m and some in rad: make one table of each")
-    if len({document.record.mass_kg is None for document in documents}) > 1:
+    if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
@@ -45,8 +45,7 @@ def command(
     if as_json:
         print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:
-        writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
-        click.echo(writers[form](tables), nl=False)
+        click.echo(table.as_text(tables) if form == "text" else table.as_latex(tables), nl=False)
         step = next_line("diagnose" if len(folders) > 1 else "compare", *folders)
         if form == "text":
             click.echo(f"\n{step}")

@@ -1,22 +1,13 @@
-"""`station view`: a session in the Rerun viewer, or as pictures where there is no screen."""
+"""`station view`: a session in the Rerun viewer."""
 
-from pathlib import Path
-from typing import Any
-
-from station.commands.options import JSON, NO_VIEWER, SESSION, declared, option
+from station.commands.options import JSON, NO_VIEWER, SESSION, declared
 from station.output import next_line, print_json, progress, say
 from station.settings import Settings
 
 
 @declared("view")
 def command(
-    settings: Settings,
-    session: str = SESSION,
-    screenshot: Path | None = option(
-        "Write a picture of every tab into DIR; needs no screen.", metavar="DIR"
-    ),
-    no_viewer: bool = NO_VIEWER,
-    as_json: bool = JSON,
+    settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIEWER, as_json: bool = JSON
 ) -> None:
     """Open SESSION in the viewer: capture, alignment, both methods, results,
     and the steps of its refinement.
@@ -32,21 +23,13 @@ def command(
     opened.require_writable()
     result, _ = identify_session(opened, kept_options(opened, settings))
     file = write_view(opened, result, kept_tabs(opened, settings))
-    document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
     progress(f"recording: {file}")
-    if screenshot is not None:
-        from station.views.photograph import photograph
-
-        document["pictures"] = [str(picture) for picture in photograph(file, screenshot)]
-        for picture in document["pictures"]:
-            progress(f"picture:   {picture}")
-    elif not no_viewer and viewer.has_screen():
+    if not no_viewer and viewer.has_screen():
         viewer.start(str(file), "--port", "auto")
         progress("the viewer is opening")
     elif not no_viewer:
-        progress(f"no screen here: look at it elsewhere with `rerun {file}`, or take pictures with")
-        progress(f"`station view {opened.folder} --screenshot DIR`")
+        progress(f"no screen here: look at it elsewhere with `rerun {file}`")
     if as_json:
-        print_json(document)
+        print_json({"session": str(opened.folder), "recording": str(file)})
     else:
         say(next_line("report", opened.folder))

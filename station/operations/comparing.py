@@ -1,6 +1,7 @@
 """Compare a session with a model, and keep what was found in it."""
 
 from pathlib import Path
+from typing import Any
 
 from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -8,7 +9,7 @@ from station.operations.current_model import current_model
 from station.operations.record_floor import with_floor
 from station.output import progress
 from station.own_effects import whole_library
-from station.results.comparison_document import NAME, ComparisonDocument, comparison_document
+from station.results.comparison_document import NAME, comparison_document
 from station.results.documents import keep_document
 from station.settings import Settings
 from station.story.compared import Compared
@@ -22,17 +23,16 @@ def compare_session(
     model_file: Path | None = None,
     effects_file: Path | None = None,
     *,
-    mass: float | None = None,
     prepared: PreparedDecay | None = None,
     tell: Progress = progress,
-) -> tuple[Compared, ComparisonDocument]:
+) -> tuple[Compared, dict[str, Any]]:
     """Compare a session with its current model, or that of a file; write results/comparison.json.
 
-    `mass` (kg) replaces the session's; `prepared` is its release, where it was prepared before. `tell` gets a sentence
-    where the session may not be written. Returns the comparison and its document.
+    `prepared` is its release, where it was prepared before. `tell` gets a sentence where the session may not be written.
+    Returns the comparison and its document.
     """
-    if prepared is None or mass is not None:
-        prepared = with_floor(session, prepare_session(session, settings, mass=mass))
+    if prepared is None:
+        prepared = with_floor(session, prepare_session(session, settings))
     current = current_model((session,), model_file, whole_library(effects_file))
     compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)

@@ -11,7 +11,7 @@ from identify.formatting import among, plain_name
 from identify.model.model import Model, Term, base_model
 from station.exits import UsageProblem
 from station.results.documents import read_document
-from station.results.identification_document import NAME, IdentificationDocument
+from station.results.identification_document import NAME, KeptIdentification
 from station.results.ladder import KeptStep, read_ladder
 from station.results.models import known_model, read_model
 from station.story.known_model import KnownModel
@@ -66,9 +66,9 @@ def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> Know
     return replace(known, words=step.begun_with or f"the {step.name}")
 
 
-def kept_identification(session: Session) -> IdentificationDocument | None:
+def kept_identification(session: Session) -> KeptIdentification | None:
     """Return the identification that a session keeps; UsageProblem where it was altered."""
-    return read_document(session, NAME, IdentificationDocument, "identify it again")
+    return read_document(session, NAME, KeptIdentification, "identify it again")
 
 
 def model_of(names: Sequence[str]) -> Model:

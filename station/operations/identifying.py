@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from daq.errors import NotASession
 from daq.session import Session
@@ -12,7 +12,7 @@ from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
 from station.results.documents import keep_document
-from station.results.identification_document import NAME, IdentificationDocument, identification_document
+from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
@@ -27,7 +27,7 @@ VIEW = "identification.rrd"
 
 def identify_session(
     session: Session, options: Options, progress: Progress = silent
-) -> tuple[Identification, IdentificationDocument]:
+) -> tuple[Identification, dict[str, Any]]:
     """Identify a session and write results/identification.json; return the identification and its document.
 
     The model that was found is judged on the same record, so that nobody quotes what does not explain it.
@@ -52,9 +52,9 @@ def identify_session(
     return result, document
 
 
-def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:
+def kept_options(session: Session, settings: Settings) -> Options:
     """Return the options with the orders that the operator chose when the session was identified, where they did."""
-    options = options_for(session, settings, mass)
+    options = options_for(session, settings)
     try:
         kept = kept_identification(session)
     except UsageProblem:  # altered: it is made again
@@ -65,7 +65,7 @@ def kept_options(session: Session, settings: Settings, mass: float | None = None
     return replace(options, max_order=orders.max_order, stiffness_orders=tuple(orders.stiffness_orders))
 
 
-def identified(session: Session, settings: Settings) -> IdentificationDocument:
+def identified(session: Session, settings: Settings) -> dict[str, Any]:
     """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
     result, document = identify_session(session, kept_options(session, settings))
     if result.wavelet is None and result.restoring_force is None:

@@ -58,7 +58,6 @@ def open_refinement(
     settings: Settings,
     model_file: Path | None = None,
     effects_file: Path | None = None,
-    gain_percent: float | None = None,
     *,
     reset: bool = False,
 ) -> Refinement:
@@ -70,9 +69,7 @@ def open_refinement(
     library = whole_library(effects_file)
     replaced = seen(session, LADDER) if reset or model_file is not None else None
     ladder = None if reset or model_file is not None else read_ladder(session)
-    if gain_percent is None and ladder is not None:
-        gain_percent = ladder.gain_percent
-    prepared = with_floor(session, prepare_session(session, settings, gain_percent))
+    prepared = with_floor(session, prepare_session(session, settings))
     if ladder is None:
         begun = first_model((session,), model_file, library)
         step = first_step((prepared,), begun.model, begun.start((prepared,)))
@@ -81,7 +78,6 @@ def open_refinement(
             steps=(_kept(step, begun.expressions, begun.words),),
             present=0,
             floor=floor_of(prepared, step),
-            gain_percent=gain_percent,
             seen=replaced,
         )
     return Refinement(session, prepared, library, ladder)

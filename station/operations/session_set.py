@@ -40,16 +40,13 @@ class SessionSet:
 
 
 def open_sessions(
-    arguments: tuple[str, ...],
-    settings: Settings,
-    gain_percent: float | None = None,
-    varies: frozenset[str] = frozenset(),
+    arguments: tuple[str, ...], settings: Settings, varies: frozenset[str] = frozenset()
 ) -> SessionSet:
     """Open sessions (or data files, which are imported) and prepare their releases, the largest first.
 
-    `gain_percent` replaces what the sensors' certificates say; `varies` is what was changed on purpose, beside what the
-    sessions' metadata say. Of several sessions those that hold too little are left out. Raises UsageProblem when the
-    sessions do not belong together, NotIdentifiable when all hold too little.
+    `varies` is what was changed on purpose, beside what the sessions' metadata say. Of several sessions those that hold
+    too little are left out. Raises UsageProblem when the sessions do not belong together, NotIdentifiable when all hold
+    too little.
     """
     if len(arguments) > MOST_SESSIONS:
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
@@ -57,7 +54,7 @@ def open_sessions(
     several = len(sessions) > 1
 
     def prepared(session: Session, beside_others: bool = several) -> PreparedDecay:
-        decay = prepare_session(session, settings, gain_percent, beside_others=beside_others)
+        decay = prepare_session(session, settings, beside_others=beside_others)
         return with_floor(session, decay)
 
     ready, left_out = of_each(sessions, prepared)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from daq.errors import StationError
 from daq.manifest import Manifest
@@ -12,12 +12,9 @@ from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import model_of_step
-from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
-from station.operations.record_floor import with_floor
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
-from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.ladder import LADDER, KeptLadder
@@ -25,7 +22,7 @@ from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.pipeline import Progress, compare, silent
-from station.story.preparation import Options, prepare_session
+from station.story.preparation import Options
 
 
 @dataclass(eq=False)
@@ -49,27 +46,19 @@ class Findings:
     left_out: dict[str, str] = field(default_factory=dict)
 
 
-def gather(
-    session: Session, settings: Settings, mass: float | None, *, diagnose: bool, progress: Progress
-) -> Findings:
-    """Collect all results of a session; identifies and compares, and diagnoses on request.
+def gather(session: Session, settings: Settings, progress: Progress) -> Findings:
+    """Collect all results of a session; identifies and compares.
 
-    `mass` (kg) replaces the session's. Raises DataLost when the session holds no sample; what else cannot be done is
-    left out and says why.
+    Raises DataLost when the session holds no sample; what else cannot be done is left out and says why.
     """
-    found = Findings(session, session.recording(), kept_options(session, settings, mass))
+    found = Findings(session, session.recording(), kept_options(session, settings))
     with _or_say_why(found, "identification", NotIdentifiable):
         found.identification, _ = identify_session(session, found.options, progress)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
         progress("comparing the current model")
-        found.compared, _ = compare_session(session, settings, mass=mass, tell=silent)
-    if diagnose:
-        with _or_say_why(found, "suspects", NotIdentifiable):
-            sessions = SessionSet((session,), (with_floor(session, prepare_session(session, settings)),))
-            _, found.diagnosis = diagnose_sessions(sessions, progress=progress)
-            keep(sessions, found.diagnosis, silent)  # told where it was identified
+        found.compared, _ = compare_session(session, settings, tell=silent)
     with _or_say_why(found, "suspects", UsageProblem):
-        found.diagnosis = found.diagnosis or read_diagnosis(session)
+        found.diagnosis = read_diagnosis(session)
     _say_what_was_refused(found)
     _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):
@@ -120,5 +109,4 @@ def _take_model(found: Findings, settings: Settings) -> None:
         found.ladder = ladder
         if ladder.present > 0 and found.compared is not None:
             first = model_of_step(ladder.steps[0], library)
-            weighed = replace(prepared, mass=found.options.mass)
-            found.first = compare(session.folder.name, weighed, first)
+            found.first = compare(session.folder.name, prepared, first)

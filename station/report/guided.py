@@ -2,7 +2,7 @@
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.campaign.sources import FOLDER, Request, find_sources
+from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest, guide
 from station.output import progress, screen
@@ -22,7 +22,7 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
         return document
     kept = test.folder / FOLDER
     sources = find_sources((str(test.folder),), test.settings)
-    campaign(sources, Request(test.settings), kept, workers=0)
+    campaign(sources, test.settings, kept, workers=0)
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
     report = write_report(session, test.folder / REPORT, settings=test.settings)

@@ -49,17 +49,14 @@ def write_report(
     output: Path | None = None,
     *,
     settings: Settings | None = None,
-    mass: float | None = None,
-    diagnose: bool = False,
     progress: Progress = silent,
 ) -> Report:
     """Write the report of a session, to results/report.html unless `output` says otherwise; return where, and what it lacks.
 
-    Identifies and compares on the way; diagnoses (seconds) only on request. Raises DataLost when the session
-    holds no sample, StorageError when the disk refuses.
+    Identifies and compares on the way. Raises DataLost when the session holds no sample, StorageError when the disk
+    refuses.
     """
-    chosen = settings or Settings()
-    found = gather(session, chosen, mass, diagnose=diagnose, progress=progress)
+    found = gather(session, settings or Settings(), progress)
     progress("drawing the page")
     page = rendered(found).encode()
     if output is None:

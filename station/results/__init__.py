@@ -1,1 +1,1 @@
-"""The documents that are kept: one typed document for each result."""
+"""The documents that are kept, one for each result: typed where they are read again, else plain."""

@@ -53,41 +53,53 @@ class OutsideDocument(Part):
     sigmas: Number
 
 
-class ChartDocument(Part):
+class Limits(Part):
+    """The control limits of a series: `centre` is the median, `spread` the median moving range / 0.9539, the limits are
+    three spreads away.
+    """
+
+    centre: float
+    spread: float
+    lower: float
+    upper: float
+
+
+class ChartDocument(Limits):
     """One parameter over all sessions, in the order in which they were made: an individuals chart.
 
-    `centre` is the median, `spread` the median moving range / 0.9539, the limits three spreads away; `stated` is the
-    median of the stated standard errors.
+    `stated` is the median of the stated standard errors.
     """
 
     parameter: str
     unit: str
     sessions: int
-    centre: float
-    spread: float
     stated: Number
-    lower: float
-    upper: float
     outside: list[OutsideDocument]
 
 
-class TrendDocument(Part):
-    """A parameter against something else known of the sessions.
+class Trend(Part):
+    """A line by weighted least squares: `slope` with its standard error, and `p_value` of a slope of zero.
 
-    Weighted least squares: `slope` (in `unit`, as "1/s^2 per degC") with its standard error, `p_value` of a slope of
-    zero, and `sure` where it is below 5 % after the number of trends that were looked at (Holm). `left_out` sessions
-    lay too far off the line to be part of it.
+    `left_out` sessions lay too far off the line to be part of it.
+    """
+
+    slope: float
+    std: float
+    p_value: float
+    sessions: int
+    left_out: int
+
+
+class TrendDocument(Trend):
+    """A parameter against something else known of the sessions; the slope is in `unit`, as "1/s^2 per degC".
+
+    `sure` where `p_value` is below 5 % after the number of trends that were looked at (Holm).
     """
 
     parameter: str
     against: str
     unit: str
-    slope: float
-    std: float
-    p_value: float
     sure: bool
-    sessions: int
-    left_out: int
 
 
 class CampaignDocument(Document):

@@ -12,7 +12,6 @@ from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import NextRelease
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Verdict
-from identify.fitting.baseline import Baseline
 from identify.fitting.model_error import errors_of
 from identify.fitting.validation import LeftOut
 from identify.model.model import Model
@@ -22,16 +21,14 @@ from station.results.diagnosis_parts import (
     HeldOutDocument,
     HypothesisDocument,
     ModeDocument,
-    NextReleaseDocument,
     NoiseFloorDocument,
     ReleaseValueDocument,
     ShapeDocument,
     SharesDocument,
     SuspectDocument,
     UsedDocument,
-    WalkDocument,
 )
-from station.results.documents import Document, FreeRunErrors, ModelSummary, read_document
+from station.results.documents import Document, FreeRunErrors, ModelSummary, picked, plain, read_document
 from station.results.models import ModelFile, model_file
 
 NAME = "diagnosis.json"
@@ -46,7 +43,8 @@ class DiagnosisDocument(Document):
     is.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
-    `walk` is a random walk of spring and damper not distinguishable from the name, or that remains beside it; else None.
+    `walk` is a random walk of spring and damper not distinguishable from the name, or that remains beside it: its evidence
+    (nats), its standard deviations after one second, and the reduced chi-square beside it. None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `hypotheses` are those still open, the likeliest first; `next_release` distinguishes them best, None where none can.
     `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
@@ -75,10 +73,10 @@ class DiagnosisDocument(Document):
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
-    walk: WalkDocument | None = None
+    walk: dict[str, Any] | None = None
     modes: list[ModeDocument] = Field(default_factory=list)
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
-    next_release: NextReleaseDocument | None = None
+    next_release: dict[str, Any] | None = None
     varies: list[str] = Field(default_factory=list)
     left_out: dict[str, str] = Field(default_factory=dict)
     model_is: str = "the usual model"
@@ -115,7 +113,8 @@ def diagnosis_document(
         sessions=names,
         model=ModelSummary.model_validate(fitted),
         error=errors_of(baseline),
-        noise_floor=_noise_floor(baseline) | {"harmonics": found.harmonics},
+        noise_floor=_noise_floor(found),
+        walk=plain(picked(found.walk, "evidence", "stiffness", "damping", "reduced")),
         rivals=found.suspects[0].rivals if found.named else (),
         confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],
         confirmation=None if confirmation is None else confirmation_document(confirmation, names),
@@ -178,14 +177,18 @@ def read_diagnosis(session: Session) -> DiagnosisDocument | None:
     return read_document(session, NAME, DiagnosisDocument, "diagnose again")
 
 
-def _noise_floor(baseline: Baseline) -> dict[str, Any]:
+def _noise_floor(found: Diagnosis) -> dict[str, Any]:
+    baseline = found.baseline
     unit = baseline.fit.windows[0].unit
     units = {"displacement": unit, "velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}
     channels = {
-        name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
-        for name, n in baseline.floors[0].channels.items()
+        name: picked(noise, "std", "uncertainty", "source") | {"unit": units[name]}
+        for name, noise in baseline.floors[0].channels.items()
     }
-    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
+    known = {"chi2": 1.0, "chi2_std": baseline.spread, "sure": baseline.floor_is_sure}
+    return plain(
+        known | {"channels": channels, "harmonics": picked(found.harmonics, "ratio", "p_value", "against")}
+    )
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> SuspectDocument:
@@ -206,9 +209,12 @@ def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
     ]
 
 
-def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | None:
-    """Make the document of a chosen release; None where none was chosen."""
+def next_release_document(chosen: NextRelease | None) -> dict[str, Any] | None:
+    """Write down a chosen release, with the evidence expected of it (nats) and its scatter; None where none was chosen."""
     if chosen is None:
         return None
     best = chosen.best
-    return NextReleaseDocument.of(chosen, nats=best.nats, scatter=best.scatter, **vars(best.experiment))
+    told: dict[str, Any] = picked(chosen, "between", "unit", "tells_more", "words")
+    told |= picked(best.experiment, "amplitude", "push", "longer", "faster", "rested")
+    told |= picked(best, "nats", "scatter")
+    return plain(told)

@@ -1,12 +1,12 @@
 """The parts of a diagnosis as a document."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import AliasPath, BeforeValidator, Field
 
 from identify.effects.effect import Kind
 from identify.preprocessing.record_use import End
-from station.results.documents import ChannelNoise, EstimateDocument, Number, Numbers, Part
+from station.results.documents import EstimateDocument, Number, Numbers, Part
 from station.results.models import ModelFile
 
 Channel = Annotated[
@@ -17,32 +17,18 @@ Channel = Annotated[
 """The channel at fault, None for a force."""
 
 
-class ChannelFloor(ChannelNoise):
-    """The noise of one channel with its unit."""
-
-    unit: str
-
-
-class HarmonicsDocument(Part):
-    """Power of the residual at the motion's harmonics, relative to that expected from between them, and its p-value."""
-
-    ratio: Number
-    p_value: Number
-    against: bool
-
-
 class NoiseFloorDocument(Part):
     """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
 
     `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
-    it speaks against the model, None where it was not asked.
+    it speaks against the model: its power there, relative to that expected from between them. None where it was not asked.
     """
 
     chi2: float
     chi2_std: float
-    channels: dict[str, ChannelFloor]
+    channels: dict[str, Any]
     sure: bool | None = None
-    harmonics: HarmonicsDocument | None = None
+    harmonics: dict[str, Any] | None = None
 
 
 class SuspectDocument(Part):
@@ -149,27 +135,6 @@ class HypothesisDocument(Part):
     odds: Number
 
 
-class NextReleaseDocument(Part):
-    """The release that should distinguish two hypotheses (`between`) best, with the evidence expected of it, nats.
-
-    `amplitude` is signed, in `unit`; of a `push` what it swings to. `scatter` is the standard deviation of that evidence.
-    `longer` and `faster` are multiples of the record's length and rate; `rested` means some seconds of rest before.
-    `tells_more` is false where no release decides; `words` say all of it.
-    """
-
-    amplitude: Number
-    unit: str
-    push: bool
-    longer: Number
-    faster: Number
-    rested: bool
-    between: list[str]
-    nats: Number
-    scatter: Number
-    tells_more: bool
-    words: str
-
-
 class EffectShareDocument(Part):
     """One force over a cycle: its largest value, its part of the loss, and by how much it raises the frequency."""
 
@@ -188,15 +153,3 @@ class SharesDocument(Part):
     unit: str
     frequency_hz: Number = Field(validation_alias="frequency")
     effects: list[EffectShareDocument]
-
-
-class WalkDocument(Part):
-    """A walk's `evidence` (nats), its standard deviations after one second, and the reduced chi-square beside it.
-
-    `stiffness` is relative to the linear stiffness, `damping` to the angular frequency: twice that of the damping ratio.
-    """
-
-    evidence: Number
-    stiffness: Number
-    damping: Number
-    reduced: Number

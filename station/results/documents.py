@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic_core import to_json, to_jsonable_python
 
 from daq.errors import NotWritable, StorageError
 from daq.session import Session
@@ -13,6 +14,8 @@ from station.exits import UsageProblem
 from station.story.residual import noise_multiple, residual_words
 
 LARGEST = 50 << 20
+
+Content = TypeVar("Content")
 
 
 Number = Annotated[
@@ -76,14 +79,6 @@ class RefusedSession(Part):
     reason: str
 
 
-class ChannelNoise(Part):
-    """The noise of one channel, its standard error and where it was seen."""
-
-    std: Number
-    uncertainty: Number
-    source: str
-
-
 class Errors(Part):
     """The three errors of a model, or of noise alone; None where one is not finite."""
 
@@ -117,6 +112,21 @@ class ModelSummary(Part):
     parameters: dict[str, EstimateDocument]
 
 
+def picked(result: object, *names: str, **renamed: str) -> Any:
+    """Pick values of a result by name, and under other names by those that it has for them; None without a result."""
+    if result is None:
+        return None
+    return {
+        own: getattr(result, name) for own, name in (dict(zip(names, names, strict=True)) | renamed).items()
+    }
+
+
+def plain(content: Content) -> Content:
+    """Write values as JSON has them: results by their fields, arrays as lists, null for what is not finite."""
+    made: Content = to_jsonable_python(content, inf_nan_mode="null", fallback=lambda array: array.tolist())
+    return made
+
+
 Kept = TypeVar("Kept", bound=Document)
 
 
@@ -140,7 +150,7 @@ def read_with_checksum(session: Session, name: str, kind: type[Kept], remedy: st
         ) from error
 
 
-def keep_document(session: Session, name: str, document: Document) -> str | None:
+def keep_document(session: Session, name: str, document: Document | dict[str, Any]) -> str | None:
     """Write a result, whatever stands there; where the session may not be written, return a sentence to tell with it."""
     try:
         session.write_result(name, to_text(document))
@@ -149,9 +159,9 @@ def keep_document(session: Session, name: str, document: Document) -> str | None
     return None
 
 
-def to_text(document: BaseModel) -> str:
+def to_text(document: BaseModel | dict[str, Any]) -> str:
     """Write a document as the text of its file."""
-    return document.model_dump_json(indent=2) + "\n"
+    return to_json(document, indent=2).decode() + "\n"
 
 
 def seen(session: Session, name: str) -> str | None:

@@ -1,9 +1,11 @@
 """A guided test as a document: what was released and why, and the odds after each release."""
 
+from typing import Any
+
 from pydantic import Field
 
 from identify.diagnosis.guidance import State
-from station.results.diagnosis_parts import HypothesisDocument, NextReleaseDocument
+from station.results.diagnosis_parts import HypothesisDocument
 from station.results.documents import Document, Number, Part
 
 NAME = "guide.json"
@@ -27,7 +29,7 @@ class TurnDocument(Part):
     named: list[str] = Field(default_factory=list)
     provisional: str = ""
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
-    next_release: NextReleaseDocument | None = None
+    next_release: dict[str, Any] | None = None
     judged_s: Number = None
     between: list[str] = Field(default_factory=list)
     expected_nats: Number = None

@@ -1,113 +1,38 @@
 """An identification as a document: what `--json` prints and `results/identification.json` keeps."""
 
-import numpy as np
-from pydantic import Field
+from typing import Any
 
-from station.results.documents import Document, EstimateDocument, Number, Part
+import numpy as np
+
+from station.results.documents import Document, Part, picked, plain
 from station.story.identification import Identification
 from station.story.preparation import MOTION, Options
 
 NAME = "identification.json"
+_METHOD = (
+    "stiffness", "damping", "order", "reason", "mse_percent_by_order", "stiffness_by_order", "stiffness_per_mass",
+)  # fmt: skip
 
 
-class RecordDocument(Part):
-    """What was recorded; the noise of each channel is its standard deviation, None without that channel."""
-
-    rate_hz: float = Field(validation_alias="rate")
-    samples: int
-    lost_samples: int
-    channels: list[str]
-    unit: str
-    mass_kg: float | None = Field(validation_alias="mass")
-    mass_std_kg: float | None = Field(validation_alias="mass_std")
-    rate_std_hz: float | None = Field(None, validation_alias="rate_std")
-    noise: dict[str, Number]
-
-
-class ReleaseDocument(Part):
-    """When and how the mass was released, and the spans (s) of rest and free motion."""
-
-    time_s: float
-    std_s: Number
-    kind: str
-    amplitude: Number
-    index: int
-    end_s: float
-    rest_s: tuple[float, float]
-
-
-class AlignmentDocument(Part):
-    """By how much the displacement is late, and the gain between the channels."""
-
-    lag_s: EstimateDocument = Field(validation_alias="lag")
-    gain: EstimateDocument
-    method: str
-    caution: str
-
-
-class MethodDocument(Part):
-    """What both methods find: stiffness and damping, and why the order was chosen."""
-
-    stiffness: EstimateDocument
-    damping: list[EstimateDocument]
-    order: int
-    reason: str
-    mse_percent_by_order: list[Number]
-    stiffness_by_order: dict[str, EstimateDocument]
-    stiffness_per_mass: EstimateDocument
-
-
-class WaveletDocument(MethodDocument):
-    """What the wavelet found; `clock` says where the recorder's clock limits it."""
-
-    stiffness_reason: str
-    channel: str
-    clock: str = ""
-
-
-class RestoringForceDocument(MethodDocument):
-    """What the restoring force surface found."""
-
-    significance_percent: dict[str, Number]
-    offset: EstimateDocument
-    mass: EstimateDocument | None
-    source: str
-
-
-class AdequacyDocument(Part):
-    """Whether the identified model explains its record: its residual, and how well methods and clock agree."""
+class KeptAdequacy(Part):
+    """The effects of the identified model."""
 
     effects: list[str]
-    chi2: Number = Field(validation_alias="chi_square")
-    chi2_std: Number = Field(validation_alias="chi_square_std")
-    motion_percent: Number
-    adequate: bool
-    quotable: bool
-    apart: str
-    sigmas: Number
-    doubt: str = ""
 
 
-class OrdersDocument(Part):
+class KeptOrders(Part):
     """The highest order of damping and the orders of stiffness that were tried, and whether the operator chose them."""
 
     max_order: int
     stiffness_orders: list[int]
-    chosen: bool = Field(validation_alias="orders_chosen")
+    chosen: bool
 
 
-class IdentificationDocument(Document):
-    """One release, identified; what could not be had is None, and `refusals` says why."""
+class KeptIdentification(Document):
+    """What is read again of an identification that a session keeps."""
 
-    session: str
-    record: RecordDocument
-    release: ReleaseDocument
-    alignment: AlignmentDocument | None
-    wavelet: WaveletDocument | None
-    restoring_force: RestoringForceDocument | None
-    refusals: dict[str, str]
-    adequacy: AdequacyDocument | None = None
-    orders: OrdersDocument | None = None
+    adequacy: KeptAdequacy | None = None
+    orders: KeptOrders | None = None
 
     @property
     def chosen(self) -> tuple[str, ...]:
@@ -119,28 +44,43 @@ class IdentificationDocument(Document):
 
 def identification_document(
     name: str, result: Identification, options: Options | None = None
-) -> IdentificationDocument:
-    """Make the document of the identification of the session `name`; `options` are those that it was made with."""
+) -> dict[str, Any]:
+    """Make the document of the identification of the session `name`; `options` are those that it was made with.
+
+    What could not be had is None, and `refusals` says why.
+    """
     decay, release, rate = result.decay, result.release, result.decay.rate
-    return IdentificationDocument.of(
-        result,
-        format=1,
-        session=name,
-        record=RecordDocument.of(
-            decay,
-            samples=len(decay),
-            lost_samples=result.lost_samples,
-            channels=[name for name in MOTION if getattr(decay, name) is not None],
-            noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
-        ),
-        release=ReleaseDocument.of(
-            release,
-            amplitude=amplitude(result),
-            end_s=release.end / rate,
-            rest_s=(release.rest[0] / rate, release.rest[1] / rate),
-        ),
-        orders=options,
-    )
+    record = {
+        "samples": len(decay),
+        "lost_samples": result.lost_samples,
+        "channels": [name for name in MOTION if getattr(decay, name) is not None],
+        "noise": {name: getattr(decay, f"noise_{name}") for name in MOTION},
+    }
+    times = {
+        "amplitude": amplitude(result),
+        "end_s": release.end / rate,
+        "rest_s": (release.rest[0] / rate, release.rest[1] / rate),
+    }
+    return plain(
+        {
+            "format": 1,
+            "session": name,
+            "record": record
+            | picked(decay, "unit", rate_hz="rate", mass_kg="mass", mass_std_kg="mass_std", rate_std_hz="rate_std"),
+            "release": times | picked(release, "time_s", "std_s", "kind", "index"),
+            "alignment": picked(result.alignment, "gain", "method", "caution", lag_s="lag"),
+            "wavelet": picked(result.wavelet, *_METHOD, "stiffness_reason", "channel", "clock"),
+            "restoring_force": picked(
+                result.restoring_force, *_METHOD, "significance_percent", "offset", "mass", "source"
+            ),
+            "refusals": result.refusals,
+            "adequacy": picked(
+                result.adequacy, "effects", "motion_percent", "adequate", "quotable", "apart", "sigmas", "doubt",
+                chi2="chi_square", chi2_std="chi_square_std",
+            ),
+            "orders": picked(options, "max_order", "stiffness_orders", chosen="orders_chosen"),
+        }
+    )  # fmt: skip
 
 
 def amplitude(result: Identification) -> float | None:

@@ -69,7 +69,6 @@ class KeptLadder(Document):
     steps: tuple[KeptStep, ...] = Field(min_length=1)
     present: int = Field(ge=0)
     floor: Errors
-    gain_percent: float | None = None
     stopped_because: str = ""
     verdict: str | None = None
     seen: str | None = Field(default=None, exclude=True)

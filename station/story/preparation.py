@@ -50,22 +50,14 @@ def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing:
     return Weighing(options.mass, options.mass_std, unit)
 
 
-def prepare_session(
-    session: Session,
-    settings: Settings,
-    gain_percent: float | None = None,
-    *,
-    mass: float | None = None,
-    beside_others: bool = False,
-) -> PreparedDecay:
+def prepare_session(session: Session, settings: Settings, *, beside_others: bool = False) -> PreparedDecay:
     """Return the release of a session, ready to be fitted; a short one will do `beside_others`.
 
-    `gain_percent`, the relative uncertainty of the gain between the channels, replaces what the sensors' certificates
-    say; `mass` (kg) replaces the session's. Raises NotIdentifiable, with the session's name, when it holds too little.
+    Raises NotIdentifiable, with the session's name, when it holds too little.
     """
     try:
-        options = options_for(session, settings, mass)
-        return prepare_recording(session.recording(), options, gain_percent, beside_others=beside_others)
+        options = options_for(session, settings)
+        return prepare_recording(session.recording(), options, beside_others=beside_others)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
 
@@ -73,7 +65,6 @@ def prepare_session(
 def prepare_recording(
     recording: Recording,
     options: Options,
-    gain_percent: float | None = None,
     found: AlignedDecay | None = None,
     *,
     beside_others: bool = False,
@@ -82,8 +73,7 @@ def prepare_recording(
 
     `found` is what `locate` returns, where that is known.
     """
-    gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
-    located = found or locate(recording, options)
+    gain, located = gain_uncertainty(recording), found or locate(recording, options)
     if beside_others:
         return prepare(located, gain_uncertainty=gain, fewest_cycles=BESIDE_OTHERS)
     return prepare(located, gain_uncertainty=gain)

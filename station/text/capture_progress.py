@@ -13,7 +13,6 @@ from rich.text import Text
 from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
-from station.plain_letters import writable
 from station.safe_text import SafeConsole
 from station.text.numbers import scale_as_recorded, typeset, typeset_unit
 
@@ -87,7 +86,7 @@ class Watch(CaptureObserver):
         self._line(f"lost {gap.count} samples from number {gap.first} on: {gap.reason}")
 
     def _line(self, text: str) -> None:
-        self._console.print(Text(writable(typeset(text))), soft_wrap=True)
+        self._console.print(Text(typeset(text)), soft_wrap=True)
 
     def _levels(self) -> Table:
         table = Table.grid(padding=(0, 2))

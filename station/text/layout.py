@@ -11,7 +11,6 @@ from rich.text import Text
 
 from identify.formatting import SPACE
 from station.output import next_line, print_json, screen
-from station.plain_letters import writable
 from station.text.content import Facts, Paragraph, Part, Table, Told
 
 LABEL_WIDTH = 12
@@ -111,7 +110,7 @@ def labelled(label: str, text: str) -> Grid:
 
 def _plain(text: str) -> str:
     """Write blanks that do not break as plain ones: what is copied from a terminal is typed into another program."""
-    return writable(text.replace(SPACE, " "))
+    return text.replace(SPACE, " ")
 
 
 def sentence(text: str) -> str:

@@ -1,9 +1,7 @@
 """The paper's Table 1 (each release) and Table 2 (mean and standard deviation), for any number of sessions."""
 
-import csv
 import io
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from statistics import fmean, stdev
 from typing import Any
@@ -11,8 +9,6 @@ from typing import Any
 from rich.console import Console
 
 from identify.formatting import DASH, SPACE, with_error
-from station.results.documents import EstimateDocument
-from station.results.identification_document import IdentificationDocument
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
 from station.text.numbers import scale, typeset, typeset_unit
@@ -55,19 +51,19 @@ class Tables:
         return "" if all(row["quotable"] for row in self.table_1) else DO_NOT_QUOTE
 
 
-def make_tables(documents: list[IdentificationDocument]) -> Tables:
+def make_tables(documents: list[dict[str, Any]]) -> Tables:
     """Make both tables of identified sessions, which share their units."""
     cells = [_cells_of(document) for document in documents]
-    units = {key.partition(" ")[0]: one.unit for found in cells for key, one in found.items()}
+    units = {key.partition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
     units = {name: units[name] for name in sorted(units, key=lambda name: (name == "K", name))}
     keys = [f"{name} ({label})" for name in units for label in METHODS]
     table_1: list[Row] = [
         {
-            "session": document.session,
-            "amplitude": document.release.amplitude,
-            "amplitude_unit": document.record.unit,
-            "quotable": document.adequacy is None or document.adequacy.quotable,
-            **{key: found[key].plain() if key in found else None for key in keys},
+            "session": document["session"],
+            "amplitude": document["release"]["amplitude"],
+            "amplitude_unit": document["record"]["unit"],
+            "quotable": document["adequacy"] is None or document["adequacy"]["quotable"],
+            **{key: found.get(key) for key in keys},
         }
         for document, found in zip(documents, cells, strict=True)
     ]
@@ -78,13 +74,13 @@ def make_tables(documents: list[IdentificationDocument]) -> Tables:
     return Tables(units, table_1, table_2)
 
 
-def _cells_of(document: IdentificationDocument) -> dict[str, EstimateDocument]:
+def _cells_of(document: dict[str, Any]) -> dict[str, Row]:
     """Return the estimates of a session by "K (WT)"."""
     found = {}
-    for label, method in zip(METHODS, (document.wavelet, document.restoring_force), strict=True):
+    for label, method in zip(METHODS, (document["wavelet"], document["restoring_force"]), strict=True):
         if method is not None:
-            found[f"K ({label})"] = method.stiffness
-            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method.damping)}
+            found[f"K ({label})"] = method["stiffness"]
+            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method["damping"])}
     return found
 
 
@@ -95,31 +91,6 @@ def _mean(cells: list[Row | None]) -> Row | None:
     values = [cell["value"] for cell in known]
     std = stdev(values) if len(values) > 1 else math.nan
     return {"mean": fmean(values), "std": std, "unit": known[0]["unit"]}
-
-
-def as_csv(tables: Tables) -> str:
-    """Write both tables as CSV, one under the other, each with a header that carries the units."""
-    names = [(f"{name} ({label})", tables.units[name]) for name, label in tables.columns]
-    head = ["session", "amplitude", "amplitude unit", *_in_two("", names), "quotable"]
-    first = [
-        [row["session"], row["amplitude"], row["amplitude_unit"],
-         *_cells(row[name] for name, _ in names), "yes" if row["quotable"] else "no"]
-        for row in tables.table_1
-    ]  # fmt: skip
-    second = [[row["method"], *_cells(row[name] for name in tables.units)] for row in tables.table_2]
-    out = io.StringIO()
-    means = ["method", *_in_two("mean ", tables.units.items())]
-    csv.writer(out, lineterminator="\n").writerows([head, *first, [], means, *second])
-    return out.getvalue()
-
-
-def _in_two(before: str, names: Iterable[tuple[str, str]]) -> list[str]:
-    """Name the columns of values and of their errors."""
-    return [f"{what}{name} [{unit}]" for name, unit in names for what in (before, "std ")]
-
-
-def _cells(cells: Iterable[Row | None]) -> list[float | str | None]:
-    return [value for cell in cells for value in (["", ""] if cell is None else list(cell.values())[:2])]
 
 
 def told(tables: Tables) -> tuple[Table, ...]:

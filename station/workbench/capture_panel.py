@@ -5,10 +5,8 @@ import json
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
-from functools import partial
-from typing import Any
 
-from nicegui import events, ui
+from nicegui import ui
 
 from daq.capture import CaptureSettings
 from daq.errors import StationError
@@ -24,7 +22,6 @@ from station.workbench.session_list import address_of
 
 TICK_S = 0.1
 KINDS = {"armed": "floor", "recording": "preview"}
-TEXTS = {"name": "Name of the session", "specimen": "Specimen", "operator": "Operator"}
 
 
 class CapturePanel:
@@ -158,22 +155,10 @@ class ScopePanel:
                 widgets.button(
                     "Cancel", lambda: self._run.cancel() if self._run else None, "Cancel the capture"
                 )
-            with ui.element("div").classes("scope-row"):
-                widgets.chart("scope", "Live scope", "scope")
-                with ui.element("div").classes("scope-fields"):
-                    widgets.head("Write down meanwhile")
-                    for key, label in TEXTS.items():
-                        field = ui.input(label, on_change=partial(self._note, key))
-                        field.props("dense outlined autocomplete=off")
-                    widgets.number("Mass, kg").on_value_change(partial(self._note, "mass_kg"))
-                    widgets.label("Kept with the recording when it is sealed.", "small faint wrap")
+            widgets.chart("scope", "Live scope", "scope")
             self._levels = widgets.html("card tight")
         self._panel.set_visibility(False)
         ui.timer(TICK_S, self._tick)
-
-    def _note(self, key: str, written: events.ValueChangeEventArguments[Any]) -> None:
-        if self._run is not None:
-            self._run.written[key] = written.value or None
 
     def follow(self, capture: CaptureRun) -> None:
         """Show a capture from now on."""

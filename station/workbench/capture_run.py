@@ -25,7 +25,6 @@ from station.operations.simulated_board import simulated_board, simulated_captur
 from station.settings import Settings
 from station.text.capture_progress import STATES
 from station.text.numbers import scale_as_recorded, typeset
-from station.workbench.stored_sessions import describe, rename
 
 MYSTERY_SPEED = 2.0
 SHOWN_S = 8.0
@@ -165,10 +164,7 @@ def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager
 
 
 class CaptureRun(CaptureObserver):
-    """A capture that runs until it is sealed, fails, or is cancelled.
-
-    `written` is what the operator writes beside the scope, by its name in the session, and the session's `name`.
-    """
+    """A capture that runs until it is sealed, fails, or is cancelled."""
 
     def __init__(
         self,
@@ -178,7 +174,6 @@ class CaptureRun(CaptureObserver):
         prefix: str = "release",
     ) -> None:
         self.now = Progress()
-        self.written: dict[str, Any] = {}
         self._board, self._settings = board, settings
         plain = sessions / prefix
         self._folder = plain if prefix != "release" and not plain.exists() else new_folder(sessions, prefix)
@@ -240,7 +235,6 @@ class CaptureRun(CaptureObserver):
             with self._board as port:
                 session = capture(port, self._settings, self._folder, self)
             found = {"session": session.folder, "verdict": session.verdict}
-            found["session"] = self._described(session.folder)
         except KeyboardInterrupt:
             found = {"problem": "cancelled", "kept": self._folder if self._folder.is_dir() else None}
         except StationError as error:
@@ -250,11 +244,3 @@ class CaptureRun(CaptureObserver):
         except Exception as error:
             found["problem"] = f"a fault of this program ({type(error).__name__}: {error})"
         self.now = replace(self.now, finished=True, **found)
-
-    def _described(self, folder: Path) -> Path:
-        """Write what was filled in beside the scope into the session; return its folder, renamed where a name was given."""
-        known = {key: value for key, value in self.written.items() if value is not None}
-        name = known.pop("name", "")
-        if known:
-            describe(folder, **known)
-        return rename(folder, name) if name else folder

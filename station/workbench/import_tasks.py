@@ -10,7 +10,7 @@ from daq.importing.propose import Doubtful
 from daq.importing.reading import read_table
 from daq.importing.recipe import Recipe
 from station.campaign import files as campaign_files
-from station.campaign.sources import FOLDER, Request, find_sources
+from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.exits import UsageProblem
 from station.operations.new_session import session_info
@@ -95,7 +95,7 @@ def _campaign(
         ready.append(name)
         say(f"{len(ready)} of {len(sources)} sessions identified")
 
-    found = told(campaign(sources, Request(settings), settings.sessions / FOLDER, workers=0, watch=watch))
+    found = told(campaign(sources, settings, settings.sessions / FOLDER, workers=0, watch=watch))
     remarks = tuple(Paragraph(line) for line in lines)
     return Imported(
         [source.folder.name for source in sources],

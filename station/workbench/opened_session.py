@@ -72,7 +72,7 @@ def open_session(settings: Settings, folder: Path) -> Opened:
         (folder / "raw.log").stat(),
         (folder / "session.json").stat(),
     )  # a mass changes the forces
-    stamp = (raw.st_mtime_ns, raw.st_size, described.st_mtime_ns, ladder.gain_percent if ladder else None)
+    stamp = (raw.st_mtime_ns, raw.st_size, described.st_mtime_ns)
     known = _opened.get(folder)
     if known is None or known.stamp != stamp:
         while len(_opened) >= MOST_OPEN:

@@ -65,7 +65,7 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
     say(f"identifying {folder.name}")
     session = Session.open(folder)
     result, document = identify_session(session, kept_options(session, settings), say)
-    documents, left_out, unit = [document], [], document.record.unit
+    documents, left_out, own = [document], [], document["record"]
     for place, other in enumerate(others):
         say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
@@ -74,7 +74,8 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
         except (NotIdentifiable, Problem) as refusal:
             left_out.append((other.name, f"left out: {refusal}"))
             continue
-        if found.record.unit != unit or (found.record.mass_kg is None) != (document.record.mass_kg is None):
+        record = found["record"]
+        if record["unit"] != own["unit"] or (record["mass_kg"] is None) != (own["mass_kg"] is None):
             left_out.append((other.name, "left out: its parameters have other units"))
         else:
             documents.append(found)

@@ -10,7 +10,7 @@ from many_sessions import SOFTER_PER_DEGREE, STIFFNESS, Here, make_noise, make_s
 from daq.session import Session
 from station.campaign.metadata import Known
 from station.campaign.run import run_campaign
-from station.campaign.sources import Request, find_sources
+from station.campaign.sources import find_sources
 from station.campaign.together import campaign_document
 from station.cli import run as station
 from station.results.campaign_document import CampaignDocument
@@ -37,7 +37,7 @@ def campaign(folder, crew=None, *, diagnose=False, settings=None):
     sources = find_sources((str(folder),), settings)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("station.campaign.run.performed", crew)
-        return run_campaign(sources, Request(settings, None, diagnose), folder / "campaign", 1), crew
+        return run_campaign(sources, settings, folder / "campaign", 1, diagnose=diagnose), crew
 
 
 def test_every_session_has_its_row_and_a_failed_one_its_reason(made):

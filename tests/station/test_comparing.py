@@ -14,7 +14,7 @@ MASS = 21.36
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a release of a hardening or softening spring, as a text file."""
+    """A folder with a release of a hardening or softening spring, imported from a text file."""
     made = tmp_path_factory.mktemp("compare")
     sample = draw("cubic_stiffness", 0.01, 3)
     time = np.arange(len(sample.displacement)) / sample.rate
@@ -22,6 +22,9 @@ def folder(tmp_path_factory):
     header = "time_s,displacement_m,acceleration_m_s2"
     np.savetxt(made / "cubic.csv", table, delimiter=",", header=header, comments="", fmt="%.9g")
     (made / "truth.json").write_text(json.dumps(sample.truth["parameters"]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(made)
+        assert run(["import", "cubic.csv", "--mass", str(MASS)]) == 0
     return made
 
 
@@ -32,7 +35,7 @@ def inside(folder, monkeypatch):
 
 
 def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, capsys):
-    line = ["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS)]
+    line = ["compare", "cubic.csv", "--model", "usual"]
     assert run(line) == 0
     short = [row for row in capsys.readouterr().out.splitlines() if row.strip()]
     assert len(short) <= 14
@@ -46,7 +49,7 @@ def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, cap
 
 
 def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, capsys):
-    assert run(["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS), "--json"]) == 0
+    assert run(["compare", "cubic.csv", "--model", "usual", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["error"]["chi2"] > 10
     assert document["error"]["force_mse_percent"] > document["floor_percent"]

@@ -38,7 +38,7 @@ def test_the_largest_release_comes_first_in_whatever_order_they_are_given(sessio
 def test_what_was_changed_on_purpose_is_declared_and_each_session_has_its_own(sessions):
     said = []
     both = open_sessions(
-        tuple(str(sessions / name) for name in ("a", "stiff")), Settings(), None, frozenset({"stiffness"})
+        tuple(str(sessions / name) for name in ("a", "stiff")), Settings(), frozenset({"stiffness"})
     )
     check_same_bench(both, False, said.append)
     assert said == ["stiffness: each session has its own, as declared"]

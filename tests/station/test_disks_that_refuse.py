@@ -48,7 +48,7 @@ def test_of_a_session_that_may_not_be_written_results_are_told_and_not_kept(here
         raise refused(lock.path, OSError(errno.EROFS, os.strerror(errno.EROFS)))
 
     monkeypatch.setattr(Lock, "acquire", read_only)
-    written = ["report", "decay", "--diagnose", "--output", "page.html"]
+    written = ["report", "decay", "--output", "page.html"]
     for line in (["identify", "decay"], ["compare", "decay"], ["diagnose", "decay"], written):
         assert run(line) == 0
         told = capsys.readouterr()
@@ -56,7 +56,6 @@ def test_of_a_session_that_may_not_be_written_results_are_told_and_not_kept(here
         assert told.err.count("what is found is not kept") == 1
     page = (here / "page.html").read_text(encoding="utf-8")
     assert len(page) > 10_000
-    assert "no diagnosis was made" not in page
     assert run(["refine", "decay", "--auto"]) == run(["refine", "decay"]) == run(["view", "decay"]) == 7
     assert not capsys.readouterr().out
     assert not list((here / "sessions" / "decay" / "results").iterdir())

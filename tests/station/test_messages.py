@@ -88,7 +88,7 @@ def test_a_command_without_a_session_ends_with_the_next_step(place, capsys, monk
 
 
 @pytest.mark.slow
-def test_a_table_ends_with_the_next_step_within_80_columns_and_as_csv_keeps_it_out(
+def test_a_table_ends_with_the_next_step_within_80_columns_and_as_latex_keeps_it_out(
     tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
@@ -99,7 +99,7 @@ def test_a_table_ends_with_the_next_step_within_80_columns_and_as_csv_keeps_it_o
     assert text.splitlines()[-1].startswith(" next: station compare")
     assert all(len(line) <= 80 for line in text.splitlines()[:-1])
     assert "* do not quote" in text  # something is hidden in it
-    assert run(["table", "simulated_stribeck", "--format", "csv"]) == 0
+    assert run(["table", "simulated_stribeck", "--format", "latex"]) == 0
     both = capsys.readouterr()
     assert "next:" not in both.out
     assert "next:" in both.err

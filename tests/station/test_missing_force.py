@@ -131,15 +131,6 @@ def test_nothing_hidden_is_nothing_named(bench, capsys):
     assert document["error"]["chi2"] == pytest.approx(1.0, abs=4 * document["noise_floor"]["chi2_std"])
 
 
-@pytest.mark.slow
-def test_the_uncertainty_of_the_gain_can_be_given(bench, capsys):
-    assert told(capsys, "diagnose", NOTHING, "--gain-uncertainty", "3")["verdict"] == "nothing_missing"
-
-
-def test_an_uncertainty_of_the_gain_is_no_less_than_nothing(bench, capsys):
-    assert run(["diagnose", str(NOTHING), "--gain-uncertainty", "-1"]) == exits.USAGE
-
-
 def test_too_short_a_record_ends_with_8_and_says_so_in_json(bench, capsys, tmp_path):
     rows = DUFFING.read_text().splitlines()
     short = tmp_path / "short.csv"

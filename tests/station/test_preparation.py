@@ -30,11 +30,6 @@ def test_the_gain_is_as_uncertain_as_both_certificates_leave_it(tmp_path):
     assert prepared.window.gain_uncertainty == pytest.approx(0.005)
 
 
-def test_an_uncertainty_that_is_given_replaces_the_certificates(tmp_path):
-    prepared = prepare_session(session_of(tmp_path, (0.003, 0.004)), Settings(), 2.0)
-    assert prepared.window.gain_uncertainty == pytest.approx(0.02)
-
-
 def test_without_certificates_the_gain_is_taken_as_it_is(tmp_path):
     assert prepare_session(session_of(tmp_path), Settings()).window.gain_uncertainty == 0.0
 

@@ -1,4 +1,4 @@
-"""Pictures of the tabs where there is no screen: for tests, for documentation, for a machine in the cellar."""
+"""Pictures of the viewer's tabs where there is no screen, for the documentation."""
 
 import contextlib
 import time
