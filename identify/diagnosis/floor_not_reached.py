@@ -45,8 +45,8 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
 
     A line of a sensor must be worth a name; a smaller one joins the model that is judged, with a remark. The strength
     of a force must differ clearly from zero: a flexible law can fit any assumed noise. Of indistinguishable forces the one
-    without a constant of its own leads, else the simplest of such a strength; a law of time among laws of the amplitude
-    names nothing.
+    without a constant of its own leads, else the simplest of such a strength, if it passes `weighed`; a law of time among
+    laws of the amplitude names nothing.
     """
     line = alone.ranked[0]
     if line.term.effect.line and not line.term.is_force and line_percent(line.fit, line.term) < LARGE:
@@ -59,9 +59,10 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     best = next(clear, None) if of_one_kind else None
     if best is not None:
         rest = tuple(entry for entry in alone.ranked if entry is not best)
-        named = weighed(baseline, replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found))
-        if named is not None:
-            return named
+        named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
+        kept = named if predicted else weighed(baseline, named)
+        if kept is not None:
+            return kept
     return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
 
 
