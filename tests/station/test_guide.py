@@ -79,8 +79,7 @@ def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, mon
     told = json.loads(capsys.readouterr().out)
     assert told["state"] == "confirmed"
     assert told["named"] == [told["hidden"]["hidden"]]
-    first = told["turns"][0]
-    assert max(one["odds"] for one in first["hypotheses"]) < 0.9  # a rival is not distinguishable
+    assert len(told["turns"]) > 1  # one release leaves the verdict open
     assert all(turn["asked"] for turn in told["turns"])
     last = told["turns"][-1]
     assert last["between"][0] in last["asked"]
