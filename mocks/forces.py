@@ -269,7 +269,7 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     if code in (_STOP, _IMPACT, _PLAY):
         return _contact(code, row, u, v, at)
     if code == _BILINEAR:
-        return a * u if at > 0.0 else 0.0
+        return 0.5 * a * u if at > 0.0 else -0.5 * a * u
     if code in (_HYSTERESIS, _DAHL, _LUGRE, _BOUC_WEN, _MAXWELL, _SECOND):
         return _remembered(code, row, s)
     if code in (_WANDERING_K, _WANDERING_MU):

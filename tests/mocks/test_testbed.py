@@ -87,7 +87,7 @@ def test_the_period_with_a_cubic_spring_is_duffings(hardening):
 def test_a_bilinear_spring_has_the_period_of_its_two_halves():
     more = 150.0
     bench = Bench(STIFFNESS, 0.0, 0.0, (Effect("bilinear_stiffness", {"kb": more}),))
-    period = math.pi / W0 + math.pi / math.sqrt(STIFFNESS + more)
+    period = sum(math.pi / math.sqrt(STIFFNESS + side * more / 2.0) for side in (-1.0, 1.0))
     motion = simulate(bench, Release(0.02), np.array([17.0 * period]))
     np.testing.assert_allclose(motion.displacement, 0.02, atol=EXACT_M)
 
