@@ -55,10 +55,10 @@ class Outcome:
 def play(case: Case, policy: str) -> Outcome:
     """Let a policy record and judge until the test is over."""
     from identify.diagnosis.diagnose import diagnose
-    from identify.diagnosis.experiment import Experiment
     from identify.diagnosis.guidance import MOST, first_release, guidance
-    from identify.diagnosis.next_release import Limits
     from identify.errors import NotIdentifiable
+    from identify.planning.experiment import Experiment
+    from identify.planning.next_release import Limits
 
     limits = Limits(LOW, HIGH)
     first = first_release(limits).experiment

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from identify.diagnosis.experiment import Experiment
 from identify.free_decay import FreeDecay
+from identify.planning.experiment import Experiment
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 

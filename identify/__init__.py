@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         first_step as first_step,
         remove_effect as remove_effect,
     )
-    from identify.diagnosis.suspect import Suspect as Suspect
     from identify.effects.effect import Effect as Effect, Parameter as Parameter
     from identify.effects.library import LIBRARY as LIBRARY, find_effect as find_effect
     from identify.effects.user.definition import own_effect as own_effect, parse_effect as parse_effect
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from identify.fitting.prediction import Prediction as Prediction, predict as predict
     from identify.fitting.validation import Validation as Validation, validate as validate
     from identify.free_decay import FreeDecay as FreeDecay
+    from identify.judging.suspect import Suspect as Suspect
     from identify.model.model import Model as Model, Term as Term, base_model as base_model
     from identify.preprocessing.aligned_decay import (
         AlignedDecay as AlignedDecay,
@@ -54,7 +54,7 @@ _HOMES = {
     "curves.laid_over": ("DecayCurves", "decay_curves"),
     "diagnosis.diagnose": ("Diagnosis", "diagnose", "refine"),
     "diagnosis.ladder": ("Ladder", "Step", "add_effect", "first_step", "remove_effect"),
-    "diagnosis.suspect": ("Suspect",),
+    "judging.suspect": ("Suspect",),
     "effects.effect": ("Effect", "Parameter"),
     "effects.library": ("LIBRARY", "find_effect"),
     "effects.user.definition": ("own_effect", "parse_effect"),

@@ -1,1 +1,1 @@
-"""Diagnosis: which effect a model lacks, how sure that is, and how to refine the model."""
+"""Diagnosis: the verdict on a record with its explanation, the ladder, and a guided test."""

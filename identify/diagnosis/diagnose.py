@@ -7,28 +7,10 @@ from functools import cache, cached_property
 from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
 from identify.curves.laid_over import Law
-from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
-from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
-from identify.diagnosis.judgement import judge, large_enough, listed_suspects
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
-from identify.diagnosis.next_release import Limits, NextRelease, next_release
-from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
-from identify.diagnosis.ranking import rank
-from identify.diagnosis.releases_differ import (
-    ReleaseValue,
-    carried,
-    how_they_differ,
-    on_second_thought,
-    release_values,
-    shared_where_alike,
-    where_releases_differ,
-)
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms, singles
-from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict, is_drowned, too_few_cycles
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor
@@ -41,7 +23,25 @@ from identify.fitting.segments import largest_first, prepared_of, segments_of, w
 from identify.fitting.whole_spring import as_the_whole_spring
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
+from identify.judging.beside_walk import walk_sentence
+from identify.judging.judgement import judge, large_enough, listed_suspects
+from identify.judging.nonparametric_force import NonparametricForce
+from identify.judging.ranking import rank
+from identify.judging.releases_differ import (
+    ReleaseValue,
+    carried,
+    how_they_differ,
+    on_second_thought,
+    release_values,
+    shared_where_alike,
+    where_releases_differ,
+)
+from identify.judging.suspect import Suspect
+from identify.judging.suspects import candidate_terms, singles
+from identify.judging.verdict import HEADLINES, Judgement, Verdict, is_drowned, too_few_cycles
 from identify.model.model import Model, base_model
+from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
+from identify.planning.next_release import Limits, NextRelease, next_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 

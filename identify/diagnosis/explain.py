@@ -4,9 +4,6 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.explain_prediction import explain_confirmed, explain_driven, explain_unconfirmed
-from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.verdict import Judgement, why_not_enough
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES, Family
 from identify.fitting.baseline import Baseline
@@ -22,6 +19,9 @@ from identify.formatting import (
     share_words,
     three_figures,
 )
+from identify.judging.nonparametric_force import NonparametricForce
+from identify.judging.suspect import Suspect
+from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
 
 _MOST_ALTERNATIVES = 4

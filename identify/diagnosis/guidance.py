@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.experiment import Experiment, signed_amplitude
-from identify.diagnosis.hypotheses import Hypothesis, odds
-from identify.diagnosis.next_release import Limits, NextRelease
 from identify.formatting import among, plain_name
+from identify.planning.experiment import Experiment, signed_amplitude
+from identify.planning.hypotheses import Hypothesis, odds
+from identify.planning.next_release import Limits, NextRelease
 from identify.priors import DOUBT, RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms, try_terms
 from identify.effects.effect import Effect
 from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
@@ -15,6 +13,8 @@ from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
+from identify.judging.suspect import Suspect
+from identify.judging.suspects import candidate_terms, try_terms
 from identify.model.model import Model, Term, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary

@@ -11,10 +11,10 @@ from daq.quality import Grade
 from daq.session import Session
 from daq.storage import write_whole
 from identify.diagnosis.diagnose import Diagnosis, diagnose
-from identify.diagnosis.experiment import Experiment
 from identify.diagnosis.guidance import Guidance, first_release, guidance, what_it_gave
-from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
+from identify.planning.experiment import Experiment
+from identify.planning.next_release import Limits
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.diagnosing import keep

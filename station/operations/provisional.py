@@ -9,11 +9,11 @@ from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.hypotheses import Hypothesis, odds
-from identify.diagnosis.weighed_anew import weighed_anew
 from identify.errors import NotIdentifiable
 from identify.formatting import among, plain_name
 from identify.free_decay import FreeDecay
+from identify.planning.hypotheses import Hypothesis, odds
+from identify.planning.weighed_anew import weighed_anew
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.story.pipeline import silent
 

@@ -16,10 +16,10 @@ from identify.diagnosis.ladder import (
     share_explained,
     without_needless_effects,
 )
-from identify.diagnosis.nonparametric_force import curve_of_rest
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.formatting import plain_name, three_figures
+from identify.judging.nonparametric_force import curve_of_rest
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem

@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import Field
 
-from identify.diagnosis.verdict import Verdict
+from identify.judging.verdict import Verdict
 from station.results.documents import Document, EstimateDocument, Number, Part, RefusedSession
 
 NAME = "campaign.json"

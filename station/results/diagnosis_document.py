@@ -8,13 +8,13 @@ from pydantic import Field
 
 from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.hypotheses import odds
-from identify.diagnosis.next_release import NextRelease
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.verdict import Verdict
 from identify.fitting.model_error import errors_of
 from identify.fitting.validation import LeftOut
+from identify.judging.suspect import Suspect
+from identify.judging.verdict import Verdict
 from identify.model.model import Model
+from identify.planning.hypotheses import odds
+from identify.planning.next_release import NextRelease
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.diagnosis_parts import (
     FindingDocument,

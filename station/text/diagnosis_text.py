@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from identify.diagnosis.verdict import HEADLINES
 from identify.formatting import DASH, among, plain_name, three_figures, with_error
+from identify.judging.verdict import HEADLINES
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument

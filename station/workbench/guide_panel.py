@@ -11,8 +11,8 @@ from nicegui import ui
 from daq.capture import CaptureObserver, CaptureSettings
 from daq.errors import StationError
 from identify.diagnosis.guidance import Guidance
-from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
+from identify.planning.next_release import Limits
 from station.exits import Problem
 from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.new_session import capture_settings, new_folder, session_info

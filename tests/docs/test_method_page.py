@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 from contracts import ROOT
 
-from identify.diagnosis.verdict import Verdict
+from identify.judging.verdict import Verdict
 from identify.signal.averaging import backbone_factors, envelope_factors
 
 PAGE = " ".join((ROOT / "docs" / "method.md").read_text(encoding="utf-8").split())
@@ -39,12 +39,12 @@ def value(module, name):
         ("fitting.segments", "_MOST_CYCLES", lambda x: f"of more than {x:g} cycles as many"),
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
         ("preprocessing.averaged_decay", "FEW", lambda x: f"more than {x} samples"),
-        ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
+        ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"where they say nothing, that is {100 * x:g} %"),
         ("priors", "DOUBT", lambda x: f"the probability of none exceeds {100 * x:g} %"),
         ("priors", "DOUBT_AT_A_GUESS", lambda x: rf"${1e4 * x:g}\cdot10^{{-4}}$"),
         ("priors", "RIVALS_WITHIN", lambda x: f"within {x:.1f} nats of each other"),
         (
-            "diagnosis.floor_not_reached",
+            "judging.floor_not_reached",
             "_LINE_LEAVES",
             lambda x: f"leaves less than {100 * x:g} % of chi-square",
         ),
@@ -59,7 +59,7 @@ def value(module, name):
             lambda x: rf"normal priors of {100 * x:g} % of $\omega_0^2$",
         ),
         ("priors", "DAMPING_VARIES", lambda x: f"and of {100 * x:g} % of the mean loss"),
-        ("diagnosis.search", "_FITTED", lambda x: f"the {WORDS[x]} best are fitted"),
+        ("judging.search", "_FITTED", lambda x: f"the {WORDS[x]} best are fitted"),
         ("diagnosis.ladder", "_STILL_NEEDED", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
     ],
 )

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.releases_differ import release_values
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.prediction import predict
 from identify.free_decay import FreeDecay
+from identify.judging.releases_differ import release_values
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw

@@ -10,11 +10,11 @@ from identify.curves.curve_laws import CurveLaws
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.evidence import complexity, decide
 from identify.fitting.initial_values import scales_of
 from identify.free_decay import FreeDecay
+from identify.judging.suspects import candidate_terms
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.priors import SIZES

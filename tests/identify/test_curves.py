@@ -11,13 +11,13 @@ from identify.curves.held_out import cut_by_amplitude, hold_out
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.suspects import candidate_terms
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, find_effect
 from identify.effects.user import own_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.initial_values import scales_of, term_starts
 from identify.free_decay import FreeDecay
+from identify.judging.suspects import candidate_terms
 from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare

@@ -8,11 +8,11 @@ from releases import drawn
 from scipy.special import gamma
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.suspects import laws_of_free_exponent, try_terms
 from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import scales_of
+from identify.judging.suspects import laws_of_free_exponent, try_terms
 from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
 

@@ -5,12 +5,12 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.several_effects import FewReleases
-from identify.diagnosis.suspects import singles
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.free_decay import FreeDecay
+from identify.judging.several_effects import FewReleases
+from identify.judging.suspects import singles
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import BESIDE_OTHERS, prepare
 from mocks.generate import draw

@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.floor_not_reached import is_predicted
 from identify.diagnosis.ladder import add_effect, first_step
-from identify.diagnosis.suspects import Candidate
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
+from identify.judging.floor_not_reached import is_predicted
+from identify.judging.suspects import Candidate
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 

@@ -4,7 +4,7 @@ import pytest
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.guidance import first_release, guidance, leading
-from identify.diagnosis.next_release import Limits
+from identify.planning.next_release import Limits
 from tests.identify.specimens import Specimen
 
 LIMITS = Limits(0.002, 0.025)

@@ -5,11 +5,11 @@ from dataclasses import replace
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.judgement import judge
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.model_error import motion_percent
+from identify.judging.judgement import judge
 from identify.model.model import Term, base_model
 
 FORCES = tuple(find_effect(name) for name in ("cubic_stiffness", "quadratic_damping", "stribeck_friction"))

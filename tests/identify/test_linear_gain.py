@@ -1,10 +1,10 @@
 import pytest
 from releases import drawn
 
-from identify.diagnosis.linear_gain import Slope, likeliest
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import scales_of
+from identify.judging.linear_gain import Slope, likeliest
 from identify.model.model import Term, base_model
 
 

@@ -8,9 +8,9 @@ from decays_in_closed_form import exponential
 
 from identify.arrays import Array
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.nonparametric_force import nonparametric_force
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
+from identify.judging.nonparametric_force import nonparametric_force
 from identify.preprocessing.prepared_decay import prepare
 
 RATE, FREQUENCY = 50.0, 1.1

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from releases import drawn, ready
 
-from identify.diagnosis.ranking import rank
-from identify.diagnosis.suspects import singles
 from identify.effects.library import find_effect
 from identify.evidence import _cost, evidence, nothing
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of
+from identify.judging.ranking import rank
+from identify.judging.suspects import singles
 from identify.model.model import Term, base_model
 from identify.priors import DOUBT, STRENGTHS
 from mocks.generate import draw

@@ -6,10 +6,10 @@ from releases import drawn
 from scipy.interpolate import BSpline
 
 from identify.diagnosis.ladder import add_effect, step_of
-from identify.diagnosis.nonparametric_force import curve_of_rest
 from identify.effects.user import parse_effect
 from identify.effects.user.measured_curve import CurveForm, read_curve
 from identify.fitting.baseline import fit_baseline
+from identify.judging.nonparametric_force import curve_of_rest
 from identify.model.model import base_model
 
 VALUES = {"a": 2.0, "r1": 0.3, "r2": -0.4, "r3": 0.5, "r5": -0.6, "r6": 0.7}

@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.expected_evidence import _kept, _solve
-from identify.diagnosis.experiment import Experiment, carried_over, window_of
 from identify.diagnosis.guidance import Guidance, what_it_gave
-from identify.diagnosis.hypotheses import odds
-from identify.diagnosis.next_release import Limits
-from identify.diagnosis.so_far import SoFar
-from identify.diagnosis.weighed_anew import weighed_anew
 from identify.fitting.problem import Problem
+from identify.planning.expected_evidence import _kept, _solve
+from identify.planning.experiment import Experiment, carried_over, window_of
+from identify.planning.hypotheses import odds
+from identify.planning.next_release import Limits
+from identify.planning.so_far import SoFar
+from identify.planning.weighed_anew import weighed_anew
 from identify.priors import DOUBT, RIVALS_WITHIN
 from tests.identify.specimens import Specimen
 

@@ -7,7 +7,6 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.releases_differ import release_values, spread_sentence, where_releases_differ
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
@@ -16,6 +15,7 @@ from identify.fitting.own_linear import centred, with_own_linear
 from identify.fitting.problem import Problem
 from identify.fitting.segments import segments_of
 from identify.fitting.validation import leave_one_out
+from identify.judging.releases_differ import release_values, spread_sentence, where_releases_differ
 from identify.model.model import base_model
 
 K, MU_1 = 614.0, 0.25

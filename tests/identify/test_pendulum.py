@@ -10,7 +10,6 @@ from scipy.special import ellipk, j1
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
-from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Scales
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
@@ -18,6 +17,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.whole_spring import as_the_whole_spring
 from identify.free_decay import FreeDecay
+from identify.judging.suspects import candidate_terms
 from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare

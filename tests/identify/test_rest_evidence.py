@@ -3,11 +3,11 @@ from dataclasses import replace
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ranking import DENIED, at_rest
-from identify.diagnosis.suspects import try_terms
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
+from identify.judging.ranking import DENIED, at_rest
+from identify.judging.suspects import try_terms
 from identify.model.model import Term, base_model
 from mocks.imperfections import ALIASED_LINE
 

@@ -3,9 +3,9 @@
 import pytest
 from releases import ready
 
-from identify.diagnosis.beside_walk import smooth_law_beside
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
+from identify.judging.beside_walk import smooth_law_beside
 from identify.model.model import base_model
 from mocks.generate import draw
 

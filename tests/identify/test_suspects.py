@@ -6,9 +6,9 @@ from decays_in_closed_form import exponential
 from releases import drawn
 
 import identify
-from identify.diagnosis.suspects import candidate_terms, residual_lines, try_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
+from identify.judging.suspects import candidate_terms, residual_lines, try_terms
 from identify.model.model import Term, base_model
 
 

@@ -2,10 +2,10 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.search import promising_sets
-from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY
 from identify.fitting.initial_values import scales_of
+from identify.judging.search import promising_sets
+from identify.judging.suspects import candidate_terms
 from identify.model.model import base_model
 
 THREE = "hysteresis+cubic_stiffness+quadratic_damping"

@@ -9,11 +9,11 @@ from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
-from identify.diagnosis.suspects import try_terms
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.user import build, own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
+from identify.judging.suspects import try_terms
 from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate
 from station.exits import UsageProblem

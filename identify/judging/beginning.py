@@ -6,16 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.diagnosis.linear_gain import (
-    LINEAR_UP_TO,
-    Slope,
-    Starts,
-    likeliest,
-    probes,
-    states_of_term,
-    weak_strength,
-    with_fault,
-)
 from identify.effects.effect import Scales
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit
@@ -31,6 +21,16 @@ from identify.fitting.initial_values import (
 from identify.fitting.jacobian import linearise, take_steps
 from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
+from identify.judging.linear_gain import (
+    LINEAR_UP_TO,
+    Slope,
+    Starts,
+    likeliest,
+    probes,
+    states_of_term,
+    weak_strength,
+    with_fault,
+)
 from identify.model.model import Term
 from identify.model.parameter_id import nuisance
 from identify.preprocessing.equation_error import Regression

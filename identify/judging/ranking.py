@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import scales_of
+from identify.judging.suspects import Candidate, residual_lines
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN

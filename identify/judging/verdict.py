@@ -6,13 +6,13 @@ from typing import Literal
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.suspects import Candidate
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import three_figures
+from identify.judging.nonparametric_force import NonparametricForce
+from identify.judging.suspects import Candidate
 from identify.priors import DROWNED, FEWEST_CYCLES
 
 Verdict = Literal[

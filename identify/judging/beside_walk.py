@@ -19,10 +19,6 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from identify.arrays import Array
-from identify.diagnosis.linear_gain import LINEAR_UP_TO
-from identify.diagnosis.ranking import at_rest
-from identify.diagnosis.suspects import residual_lines
-from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.evidence import Evidence, decide, evidence
 from identify.fitting.baseline import Baseline
@@ -30,6 +26,10 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
+from identify.judging.linear_gain import LINEAR_UP_TO
+from identify.judging.ranking import at_rest
+from identify.judging.suspects import residual_lines
+from identify.judging.verdict import Judgement
 from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES
 
 _ORDERS = 8

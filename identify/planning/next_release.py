@@ -7,17 +7,17 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.expected_evidence import (
+from identify.fitting.fit import Fit
+from identify.formatting import odds_words
+from identify.planning.expected_evidence import (
     ExpectedEvidence,
     draw_parameters,
     expected_evidence,
     refitted,
 )
-from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
-from identify.diagnosis.hypotheses import Hypothesis, odds
-from identify.diagnosis.so_far import SoFar
-from identify.fitting.fit import Fit
-from identify.formatting import odds_words
+from identify.planning.experiment import Experiment, has_memory, signed_amplitude
+from identify.planning.hypotheses import Hypothesis, odds
+from identify.planning.so_far import SoFar
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DECIDES, DOUBT, RIVALS_WITHIN
 

@@ -6,10 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.ranking import at_rest, dispersion
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import candidate_terms, laws_of_free_exponent, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
@@ -18,6 +14,10 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import close_starts, scales_of
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import among, plain_name
+from identify.judging.nonparametric_force import NonparametricForce
+from identify.judging.ranking import at_rest, dispersion
+from identify.judging.suspect import Suspect
+from identify.judging.suspects import candidate_terms, laws_of_free_exponent, residual_lines, try_terms
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from identify.diagnosis.hypotheses import Hypothesis, log_odds
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_nuisances, scales_of
+from identify.planning.hypotheses import Hypothesis, log_odds
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _LEADING = 4

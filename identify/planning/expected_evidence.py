@@ -13,7 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.experiment import (
+from identify.fitting.fit import Fit
+from identify.fitting.jacobian import linearise
+from identify.fitting.problem import Problem
+from identify.judging.nonparametric_force import coordinates
+from identify.planning.experiment import (
     Experiment,
     carried_over,
     cut_where_small,
@@ -21,12 +25,8 @@ from identify.diagnosis.experiment import (
     smallest_followed,
     window_of,
 )
-from identify.diagnosis.hypotheses import Hypothesis
-from identify.diagnosis.nonparametric_force import coordinates
-from identify.diagnosis.so_far import SoFar
-from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
-from identify.fitting.problem import Problem
+from identify.planning.hypotheses import Hypothesis
+from identify.planning.so_far import SoFar
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 

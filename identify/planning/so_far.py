@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.hypotheses import Hypothesis
 from identify.fitting.fit import Fit
 from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
+from identify.planning.hypotheses import Hypothesis
 from identify.preprocessing.fit_window import FitWindow
 
 _STEPS, _GAIN = 8, 0.2

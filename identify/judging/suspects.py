@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.diagnosis.beginning import Beginning, begin
-from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY
@@ -15,6 +13,8 @@ from identify.evidence import evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
+from identify.judging.beginning import Beginning, begin
+from identify.judging.linear_gain import LINEAR_UP_TO, Slope
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay

@@ -7,19 +7,19 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import weighed, with_walk
-from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
-from identify.diagnosis.nonparametric_force import free_form
-from identify.diagnosis.ranking import rivals_of
-from identify.diagnosis.several_effects import Several, several_effects
-from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import Candidate, residual_lines, score_candidate
-from identify.diagnosis.verdict import Judgement, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent, removed_percent
+from identify.judging.beside_walk import weighed, with_walk
+from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
+from identify.judging.nonparametric_force import free_form
+from identify.judging.ranking import rivals_of
+from identify.judging.several_effects import Several, several_effects
+from identify.judging.suspect import Suspect
+from identify.judging.suspects import Candidate, residual_lines, score_candidate
+from identify.judging.verdict import Judgement, verdict_of
 
 
 def judge(

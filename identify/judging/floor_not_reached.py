@@ -16,12 +16,6 @@ from dataclasses import replace
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import weighed
-from identify.diagnosis.linear_gain import states_of_term
-from identify.diagnosis.nonparametric_force import free_form
-from identify.diagnosis.ranking import rank, rivals_of
-from identify.diagnosis.suspects import Candidate, residual_lines, singles, try_terms
-from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
@@ -31,6 +25,12 @@ from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.fitting.noise_colour import may_be_hum
+from identify.judging.beside_walk import weighed
+from identify.judging.linear_gain import states_of_term
+from identify.judging.nonparametric_force import free_form
+from identify.judging.ranking import rank, rivals_of
+from identify.judging.suspects import Candidate, residual_lines, singles, try_terms
+from identify.judging.verdict import Judgement
 from identify.priors import DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _THE_SAME = 0.05

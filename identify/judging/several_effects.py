@@ -10,10 +10,16 @@ from typing import Self
 
 import numpy as np
 
-from identify.diagnosis.linear_gain import states_of_term, with_fault
-from identify.diagnosis.ranking import DENIED, at_rest
-from identify.diagnosis.search import Begun, promising_sets
-from identify.diagnosis.suspects import (
+from identify.effects.effect import Effect
+from identify.evidence import evidence
+from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import initial_values, scales_of
+from identify.fitting.segments import first_cycles
+from identify.judging.linear_gain import states_of_term, with_fault
+from identify.judging.ranking import DENIED, at_rest
+from identify.judging.search import Begun, promising_sets
+from identify.judging.suspects import (
     Candidate,
     candidate_terms,
     is_plausible,
@@ -22,12 +28,6 @@ from identify.diagnosis.suspects import (
     score_candidate,
     try_terms,
 )
-from identify.effects.effect import Effect
-from identify.evidence import evidence
-from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import initial_values, scales_of
-from identify.fitting.segments import first_cycles
 from identify.model.model import Term
 
 _CYCLES = 30.0

@@ -1,0 +1,1 @@
+"""The next release: which hypotheses remain, and what to record to distinguish them."""
