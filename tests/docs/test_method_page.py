@@ -39,7 +39,11 @@ def value(module, name):
         ("fitting.segments", "_MOST_CYCLES", lambda x: f"of more than {x:g} cycles as many"),
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
         ("preprocessing.averaged_decay", "FEW", lambda x: f"more than {x} samples"),
-        ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"where they say nothing, that is {100 * x:g} %"),
+        (
+            "fitting.corrected_faults",
+            "UNSTATED_GAIN_UNCERTAINTY",
+            lambda x: f"where they say nothing, that is {100 * x:g} %",
+        ),
         ("priors", "DOUBT", lambda x: f"the probability of none exceeds {100 * x:g} %"),
         ("priors", "DOUBT_AT_A_GUESS", lambda x: rf"${1e4 * x:g}\cdot10^{{-4}}$"),
         ("priors", "RIVALS_WITHIN", lambda x: f"within {x:.1f} nats of each other"),
