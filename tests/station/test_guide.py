@@ -1,14 +1,19 @@
 import json
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
 
+from daq.capture import CaptureSettings
+from daq.quality import Grade, Verdict
 from identify.diagnosis.guidance import first_release
 from station.cli import run
 from station.exits import UsageProblem
-from station.operations.guiding import _again, limits_of
+from station.operations import guiding
+from station.operations.guiding import SMALLER, GuidedTest, _again, guide, limits_of
 from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
+from station.settings import Settings
 from station.text.guide_text import gave, odds_chart, percent
 
 
@@ -65,11 +70,40 @@ def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
 
 def test_a_rejected_recording_is_taken_again_and_at_last_given_up():
     told = first_release(limits_of("2mm,25mm"))
-    once = _again(told, "the recording was rejected: it clips", [])
+    limits = limits_of("2mm,25mm")
+    once = _again(told, "the recording was rejected: it sticks", limits, [])
     assert once.experiment == told.experiment
-    assert "it clips" in once.words
-    assert not _again(told, "it clips", ["clips", "", "clips"]).over  # one between them was good
-    assert _again(told, "it clips", ["", "clips", "clips"]).state == "given_up"
+    assert "it sticks" in once.words
+    assert not _again(told, "it sticks", limits, ["sticks", "", "sticks"]).over  # one between them was good
+    assert _again(told, "it sticks", limits, ["", "sticks", "sticks"]).state == "given_up"
+
+
+def test_a_release_that_went_over_the_range_of_a_sensor_is_taken_again_from_a_smaller_amplitude(
+    tmp_path, monkeypatch
+):
+    asked: list[tuple[float, str]] = []
+
+    class Watching:
+        def asks(self, number, told):
+            asked.append((told.experiment.amplitude, told.words))
+
+        def observer(self):
+            return None
+
+        def judged(self, turn, document):
+            assert document is None
+
+    clipped = Verdict(
+        grade=Grade.REJECT, reasons=("it clips",), advice=("a smaller release, or a wider range",)
+    )
+    recorded = SimpleNamespace(folder=tmp_path / "one", verdict=clipped)
+    monkeypatch.setattr(guiding, "_record", lambda *_: recorded)
+    test = GuidedTest("", CaptureSettings(), limits_of("6mm,25mm"), tmp_path, Settings())
+    assert guide(test, Watching()).state == "given_up"
+    first, second, third = asked
+    assert second[0] == pytest.approx(SMALLER * first[0])
+    assert "smaller" in second[1]
+    assert third[0] == pytest.approx(0.006)  # no smaller than the limit
 
 
 @pytest.mark.slow
