@@ -128,10 +128,11 @@ def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
 
 
 def outline(values: Array) -> tuple[float, Numbers]:
-    """Measure how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
-    if not np.isfinite(values).any():
+    """Measure how far values go from where they end, and their upper and lower outline as shares of that; NaN leave holes."""
+    known = values[np.isfinite(values)]
+    if not len(known):
         return 0.0, []
-    values = values - np.nanmedian(values)
+    values = values - np.median(known[-len(known) // 4 :])  # not of all: before the release it was held aside
     largest = float(np.nanmax(np.abs(values)))
     line: list[float | None] = []
     for part in np.array_split(values, POINTS):

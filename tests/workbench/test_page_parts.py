@@ -12,6 +12,7 @@ from station.exits import UsageProblem
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
 from station.workbench.capture_run import ScopeTrace
+from station.workbench.session_list import outline
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 
@@ -79,6 +80,14 @@ def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
     assert found.noise == pytest.approx(2e-3, rel=0.1)
     assert found.level == pytest.approx(1.0)  # one per cent of a range of 100 mm
     assert 2 <= len(found.points) <= 700
+
+
+def test_the_amplitude_in_the_list_is_counted_from_the_rest_at_the_end():
+    clock = np.linspace(-10.0, 20.0, 5000)
+    swing = 3.0 + 12.0 * np.where(clock < 0.0, 1.0, np.exp(-0.3 * clock) * np.cos(9.0 * clock))
+    largest, line = outline(np.where(clock > 19.0, np.nan, swing))
+    assert largest == pytest.approx(12.0, rel=0.005)
+    assert max(value for value in line if value is not None) == 1.0
 
 
 def palette(scheme):
