@@ -43,8 +43,8 @@ def kept(tmp_path):
 def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
     from daq.session import Session, list_sessions
 
-    place = stored_sessions.rename(kept, "second try")
-    assert (place.name, Session.open(place).info.name) == ("second_try", "second_try")
+    place = stored_sessions.rename(kept, " Motor 2/links ")
+    assert (place.name, Session.open(place).info.name) == ("Motor_2_links", "Motor_2_links")
     stored_sessions.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
     binned = stored_sessions.to_bin(place)
