@@ -128,7 +128,7 @@ def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
 
 
 def outline(values: Array) -> tuple[float, Numbers]:
-    """Measure how far values go from where they end, and their upper and lower outline as shares of that; NaN leave holes."""
+    """Measure how far values go from where they end, and their outline, up and down, as shares of that; NaN leave holes."""
     known = values[np.isfinite(values)]
     if not len(known):
         return 0.0, []

@@ -194,7 +194,14 @@ class SessionState:
 
     async def ask(self, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task on this session; raises Failed."""
-        return await self.workers.do(str(self.folder), task, self.folder, *arguments, say=say)
+        try:
+            return await self.workers.do(str(self.folder), task, self.folder, *arguments, say=say)
+        except Failed:
+            if self.folder.is_dir():
+                raise
+            raise Failed(
+                f"the folder {self.folder} is gone: it was renamed or removed outside this page"
+            ) from None
 
     def undo(self) -> None:
         """Go back to the ladder before the last change."""

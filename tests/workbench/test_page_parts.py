@@ -9,9 +9,11 @@ import pytest
 from daq.capture import CaptureSettings
 from daq.recording import Channel
 from station.exits import UsageProblem
+from station.settings import Settings
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
 from station.workbench.capture_run import ScopeTrace
+from station.workbench.opened_session import open_session
 from station.workbench.session_list import outline
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
@@ -60,6 +62,19 @@ def test_a_name_that_is_none_leaves_the_session_where_it_is(kept, wanted):
             stored_sessions.rename(kept, wanted)
     else:
         assert stored_sessions.rename(kept, wanted).parent == kept.parent
+
+
+@pytest.mark.parametrize(
+    ("left", "said"), [(None, "is missing"), (2000, "is shorter than when it was written")]
+)
+def test_a_raw_log_that_was_damaged_is_named_with_what_to_do(kept, left, said):
+    raw = kept / "raw.log"
+    before = raw.read_bytes()
+    raw.unlink()
+    if left is not None:
+        raw.write_bytes(before[:left])
+    with pytest.raises(UsageProblem, match=rf"raw.log, which .*, {said}: import source/.* again"):
+        open_session(Settings(), kept)
 
 
 def test_a_mass_below_nothing_is_refused_in_words(kept):
