@@ -16,8 +16,9 @@
     const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join()), own = S.says["(own)"];
     for (const key of ["suspects", "says", "names"])
       if (news[key]) S[key] = !another && own && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
+    // What is looked at stays while further pictures come; a step that one has gone to is shown itself, though its best suspect is known.
+    if (another) { S.best = S.steps.length ? news.best : null; S.present = news.present; S.film = S.selected = null; }
     if (news.steps) S.steps = news.steps;
-    if (another) { S.present = news.present; S.film = S.selected = S.best = null; }  // what is looked at stays while further pictures come
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
     if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
@@ -160,7 +161,11 @@
     if (moved) point(el ? el.dataset.preview : null);
   });
   document.addEventListener("focusin", (event) => { const el = target(event); point(el && el.matches(":focus-visible") ? el.dataset.preview : null); });
-  document.addEventListener("click", (event) => { const el = target(event); if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview); });
+  document.addEventListener("click", (event) => {
+    const el = target(event);
+    if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview);
+    else if (event.target.closest(".step")) bench.select(null);  // the model itself
+  });
   document.addEventListener("input", (event) => {
     if (event.target.id === "film") bench.filmTo(event.target.value);
     if (event.target.closest("#channel")) bench.choose("channel", Number(event.target.value));
