@@ -171,6 +171,22 @@ def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
     alone(story)
 
 
+@pytest.mark.parametrize(
+    ("typed", "shown"),
+    [
+        ("mm was assumed (change it with --unit displacement=...)", "mm was assumed"),
+        ("where letters are wrong, name another, as --encoding cp1250 (Central Europe)",
+         "where letters are wrong, name another (Central Europe)"),
+        ("name its encoding, as --encoding utf-16-le, or export it as CSV", "name its encoding, or export it as CSV"),
+        ("use --column displacement='Position (mm)' or --resample; it ends", "use or; it ends"),
+        ("no effect is called 'x'; see `station effects`, or write one", "no effect is called 'x'; write one"),
+        ("u--v at -3 mm - or not", "u--v at -3 mm - or not"),
+    ],
+)  # fmt: skip
+def test_the_page_names_no_option_of_a_command(typed, shown):
+    assert worker.on_the_page(typed) == shown
+
+
 def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():
     session = SessionState(Path("none"), Answering({}))  # type: ignore[arg-type]
     assert session.share_done is None
