@@ -8,12 +8,15 @@ import pytest
 
 from daq.capture import CaptureSettings
 from daq.recording import Channel
+from identify.effects.library import LIBRARY, find_effect
+from identify.formatting import plain_name
 from station.exits import UsageProblem
 from station.settings import Settings
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
 from station.workbench.capture_run import ScopeTrace
 from station.workbench.opened_session import open_session
+from station.workbench.parts import begun
 from station.workbench.session_list import outline
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
@@ -33,6 +36,11 @@ CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 )
 def test_a_suspect_is_said_to_explain_a_share_of_what_is_above_the_noise(before, after, words):
     assert explained_words(before, after, 0.06) == words
+
+
+def test_an_effect_is_found_by_the_name_on_its_card():
+    for effect in LIBRARY:
+        assert find_effect(begun(plain_name(effect.name))) is effect
 
 
 @pytest.fixture

@@ -26,6 +26,8 @@ document.documentElement.lang = "en";
         markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: now.noise ? [[{ yAxis: zero - 2 * now.noise }, { yAxis: zero + 2 * now.noise }]] : [] } }] });
   };
 
+  bench.stopped = () => document.body.insertAdjacentHTML("beforeend", '<div class="card strong stopped" role="alert">The station was stopped. All is kept in the sessions; start it again to go on.</div>');
+
   // Rerun's viewer says when it has started.
   window.addEventListener("message", (event) => {
     if (event.origin === location.origin && event.data === "READY") document.querySelectorAll(".viewer-wait").forEach((el) => (el.style.display = "none"));
