@@ -97,7 +97,7 @@ def test_a_release_that_went_over_the_range_of_a_sensor_is_taken_again_from_a_sm
         grade=Grade.REJECT, reasons=("it clips",), advice=("a smaller release, or a wider range",)
     )
     recorded = SimpleNamespace(folder=tmp_path / "one", verdict=clipped)
-    monkeypatch.setattr(guiding, "_record", lambda *_: recorded)
+    monkeypatch.setattr(guiding, "_record", lambda *_: (recorded, ""))
     test = GuidedTest("", CaptureSettings(), limits_of("6mm,25mm"), tmp_path, Settings())
     assert guide(test, Watching()).state == "given_up"
     first, second, third = asked
