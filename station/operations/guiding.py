@@ -126,6 +126,9 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
+    if limits != test.limits:
+        beyond = f"Above {1e3 * limits.high:.3g} mm a sensor goes over its range."
+        told = replace(told, words=f"{told.words} {beyond}")
     return _keep(test, turns, told)
 
 

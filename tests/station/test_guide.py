@@ -1,16 +1,19 @@
 import json
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from rich.console import Console
 
-from daq.capture import CaptureSettings
+from daq.capture import CaptureObserver, CaptureSettings
 from daq.quality import Grade, Verdict
+from daq.recording import Channel
 from identify.diagnosis.guidance import first_release
 from station.cli import run
 from station.exits import UsageProblem
 from station.operations import guiding
 from station.operations.guiding import SMALLER, GuidedTest, _again, guide, limits_of
+from station.operations.provisional import Provisional
 from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
@@ -99,11 +102,28 @@ def test_a_release_that_went_over_the_range_of_a_sensor_is_taken_again_from_a_sm
     recorded = SimpleNamespace(folder=tmp_path / "one", verdict=clipped)
     monkeypatch.setattr(guiding, "_record", lambda *_: (recorded, ""))
     test = GuidedTest("", CaptureSettings(), limits_of("6mm,25mm"), tmp_path, Settings())
-    assert guide(test, Watching()).state == "given_up"
+    given_up = guide(test, Watching())
+    assert given_up.state == "given_up"
+    assert given_up.words.endswith("Above 6 mm a sensor goes over its range.")
     first, second, third = asked
     assert second[0] == pytest.approx(SMALLER * first[0])
     assert "smaller" in second[1]
     assert third[0] == pytest.approx(0.006)  # no smaller than the limit
+
+
+@pytest.mark.parametrize(("limit", "answers"), [(1e9, 1), (0.006, 0)])
+def test_a_decay_that_is_cut_off_gets_no_answer_while_it_still_runs(limit, answers):
+    clock = np.arange(-1000, 4000) / 500.0
+    decay = np.where(clock < 0.0, 0.01, 0.01 * np.exp(-0.3 * clock) * np.cos(24.0 * clock))
+    decay += np.random.default_rng(1).normal(scale=5e-6, size=len(clock))
+    samples, said = np.clip(decay, -limit, limit)[np.newaxis], list[str]()
+    provisional = Provisional((), (), 500.0, 8.0, said.append, CaptureObserver())
+    provisional.connected(None, (Channel("displacement", "displacement", "m"),))
+    provisional.block(0, samples[:, :1000])
+    provisional.state("recording", "")
+    provisional.block(1000, samples[:, 1000:])
+    provisional._pool.shutdown()
+    assert len(said) == answers
 
 
 @pytest.mark.slow
