@@ -39,7 +39,7 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     size = three_figures(found.usual.typical("motion"))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
-    words = [f"The model leaves {size} % of the motion when it predicts {basis}."]
+    words = [f"The model predicts {basis} with an error of {size} % of the motion there."]
     words += [*_undecided(found), *_not_sure(suspects[:1], before)] or [
         "No effect of the library explains it better than a drift of the rig would."
     ]

@@ -63,10 +63,11 @@ LIBRARY: tuple[Effect, ...] = (
 
 
 def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
-    """Return the effect of that name; KeyError, naming those there are, when there is none."""
+    """Return the effect of that name, as "stribeck_friction" or "Stribeck friction"; KeyError when there is none."""
     library = LIBRARY if library is None else library
+    wanted = "_".join(name.lower().split())
     for effect in library:
-        if effect.name == name:
+        if effect.name.lower() == wanted:
             return effect
     raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")
 

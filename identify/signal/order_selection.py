@@ -33,8 +33,10 @@ def choose_order(
             else f"{what} of order {orders[0]}: no higher order was tried"
         )
     following = best + 1
-    why_not = f"the coefficient of order {orders[following]} is only {clearances[following]:.1f} standard errors from zero"
-    if clearances[following] > CLEAR:
+    away = clearances[following]
+    far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"
+    why_not = f"the coefficient of order {orders[following]} is {far}"
+    if away > CLEAR:
         why_not = (
             f"order {orders[following]} would lower the misfit only to "
             f"{100 * misfits[following] / max(misfits[best], 1e-300):.0f} % of it"

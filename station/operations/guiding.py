@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import copysign
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -36,6 +37,9 @@ SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
 
 MOST_TAKES = 3
 """Recordings in a row that may tell nothing."""
+
+SMALLER = 0.7
+"""Share of the amplitude of a release that went over a sensor's range from which the next ones are taken at most."""
 
 
 class Watcher(Protocol):
@@ -74,7 +78,8 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
 
     Raises the StationError of a capture that fails; what was judged before is kept.
     """
-    told, turns = first_release(test.limits), list[TurnDocument]()
+    limits, turns = test.limits, list[TurnDocument]()
+    told = first_release(limits)
     sessions, decays = tuple[Session, ...](), tuple[PreparedDecay, ...]()
     before: Diagnosis | None = None
     while not told.over and not cancelled():
@@ -93,7 +98,10 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         verdict = session.verdict
         if verdict is not None and verdict.grade is Grade.REJECT:
             turn["problem"] = rejected = f"the recording was rejected: {'; '.join(verdict.reasons)}"
-            told = _again(told, rejected, [one.problem for one in turns])
+            if any(one.startswith("a smaller release") for one in verdict.advice):
+                most = SMALLER * abs(told.experiment.amplitude)
+                limits = replace(limits, high=max(limits.low, min(limits.high, most)))
+            told = _again(told, rejected, limits, [one.problem for one in turns])
         else:
             try:
                 prepared = with_floor(session, prepare_session(session, test.settings))
@@ -101,11 +109,11 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
                 found = diagnose(trial.decays)
             except NotIdentifiable as refusal:
                 turn["problem"] = str(refusal)
-                told = _instead(told, test.limits, str(refusal))
+                told = _instead(told, limits, str(refusal))
             else:
                 turn |= _gave(told, before, found)
                 sessions, decays, before = trial.sessions, trial.decays, found
-                told = guidance(found, len(sessions), test.limits)
+                told = guidance(found, len(sessions), limits)
                 document = diagnosis_document(trial.names, found)
                 turn |= {
                     "verdict": document.verdict,
@@ -118,6 +126,9 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
+    if limits != test.limits:
+        beyond = f"Above {1e3 * limits.high:.3g} mm a sensor goes over its range."
+        told = replace(told, words=f"{told.words} {beyond}")
     return _keep(test, turns, told)
 
 
@@ -151,7 +162,7 @@ def _record(
     provisional = Provisional(
         decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional, watcher.observer()
     )
-    folder = test.folder / f"release_{number}"
+    folder = test.folder / f"{test.folder.name}_{number}"
     try:
         session = capture(test.port, wanted, folder, provisional)
     finally:
@@ -159,11 +170,16 @@ def _record(
     return session, provisional.answer
 
 
-def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:
-    """Return the same release again, unless the recordings before it were rejected too."""
+def _again(told: Guidance, reason: str, limits: Limits, before: list[str]) -> Guidance:
+    """Return the same release again, as large as the limits allow, unless the recordings before it were rejected too."""
     if len(before) >= MOST_TAKES - 1 and all(before[1 - MOST_TAKES :]):
         return Guidance("given_up", f"{MOST_TAKES} recordings in a row told nothing: {reason}")
-    return replace(told, words=f"Once more, for {reason}.")
+    assert told.experiment is not None
+    asked = told.experiment.amplitude
+    if abs(asked) <= limits.high:
+        return replace(told, words=f"Once more, for {reason}.")
+    smaller = replace(told.experiment, amplitude=copysign(limits.high, asked))
+    return replace(told, words=f"Once more from a smaller amplitude, for {reason}.", experiment=smaller)
 
 
 def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:

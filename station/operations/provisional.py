@@ -6,7 +6,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from daq.capture import CaptureObserver
-from daq.recording import Array, Channel, Gap
+from daq.reading_flags import Flag
+from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.sensor_faults import sensor_faults
 from firmware_protocol import Hello
 from identify.diagnosis.diagnose import diagnose
 from identify.errors import NotIdentifiable
@@ -66,8 +68,9 @@ class Provisional(CaptureObserver):
             return
         self._recorded += samples.shape[1]
         if self._recorded >= self._enough:
+            came = np.concatenate(self._blocks, axis=1)
+            self._pool.submit(self._weigh, came, came.shape[1] - self._recorded)
             self._recorded = -(10**9)
-            self._pool.submit(self._weigh, np.concatenate(self._blocks, axis=1))
 
     def loss(self, gap: Gap) -> None:
         """Pass on."""
@@ -78,7 +81,11 @@ class Provisional(CaptureObserver):
         self._say = silent
         self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _weigh(self, samples: Array) -> None:
+    def _weigh(self, samples: Array, began: int) -> None:
+        known: Mask = np.all(np.isfinite(samples), axis=0)
+        faults = sensor_faults(Recording(self._rate, self._channels, samples, known, trigger=began))
+        if any(run.flag is Flag.SATURATED for run in faults.runs):  # what is cut off weighs for nothing
+            return
         readings = {
             c.quantity: row
             for c, row in zip(self._channels, samples, strict=True)

@@ -216,7 +216,8 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
     if not 0 <= number < len(ladder.steps):
         raise UsageProblem(f"--to {number}: the ladder has steps 0 to {len(ladder.steps) - 1}")
     if number != ladder.present:
-        ladder = ladder.with_(present=number, stopped_because=f"gone back to step {number}", verdict=None)
+        why = f"gone back to step {number}" if number < len(ladder.steps) - 1 else ""
+        ladder = ladder.with_(present=number, stopped_because=why, verdict=None)
     return write_ladder(refinement.session, ladder)
 
 

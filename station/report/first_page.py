@@ -95,7 +95,7 @@ def _explaining(found: Findings) -> tuple[Fit, str] | None:
 
 def _explained(words: str, fit: Fit, left: str) -> tuple[Fit, str]:
     names = " + ".join(plain_name(name) for name in fit.model.names)
-    said = f"{sentence(words).rstrip('.')} explains the measurement: {names}. Its residual is {left}, which is noise."
+    said = f"{sentence(words).rstrip('.')} explains the measurement: {names}. Its residual is {left}, so only noise remains."
     return fit, said
 
 

@@ -27,3 +27,9 @@ class AppState:
     def session(self, folder: Path) -> SessionState:
         """Open the session in a folder, unless a tab has opened it."""
         return self.sessions.setdefault(folder, SessionState(folder, self.workers))
+
+    def moved(self, folder: Path, place: Path) -> None:
+        """Forget a session as it was before it was moved; those that are looked at together with it follow it."""
+        self.sessions.pop(folder, None)
+        for session in self.sessions.values():
+            session.follow(folder, place)

@@ -1,9 +1,11 @@
 """The web application: NiceGUI behind the guard, with the page, its style and script, and the files opened beside it."""
 
+import asyncio
+import logging
 from pathlib import Path
 
 from fastapi import FastAPI, Request
-from nicegui import app as nicegui_app, background_tasks, ui
+from nicegui import Client, app as nicegui_app, background_tasks, binding, ui
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
 from station.operations.identifying import VIEW
@@ -49,6 +51,9 @@ def make(
     state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, token=token, any_address=any_address)
+    binding.MAX_PROPAGATION_TIME = (
+        1.0  # on a busy computer it is over the usual hundredth of a second now and then
+    )
     nicegui_app.add_static_files("/static/bench", STATIC)
     serve_files(app, temporary, state.session_list)
     nicegui_app.on_startup(lambda: background_tasks.create(workers.warm(warm_up)))
@@ -72,6 +77,14 @@ def make(
         reconnect_timeout=10.0,
     )
     return app, state
+
+
+async def say_stopped() -> None:
+    """Tell every tab that the server ends, and NiceGUI to end in silence: what it cannot cancel ends with the process."""
+    logging.getLogger("nicegui").setLevel(logging.CRITICAL)
+    for client in Client.instances.values():
+        client.run_javascript("bench.stopped()")
+    await asyncio.sleep(0.1)  # until it is sent
 
 
 def serve_files(app: FastAPI, viewer: Path, session_list: SessionList) -> None:

@@ -79,7 +79,7 @@ class CapturePanel:
     def _start(self) -> None:
         settings, port = self._state.settings, str(self._port.value or "").strip()
         if not port:
-            self._say(("choose the port of the board, or let Find look for it", "bad"))
+            self._say(("choose the port of the board, or press Find the board", "bad"))
             return
         try:
             info = session_info(settings, self._mass.value or None)

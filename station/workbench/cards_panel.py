@@ -98,7 +98,7 @@ class OwnCard:
             return
         (frame,), (says,) = found.frames.values(), found.says.values()
         self._card.props["data-preview"] = OWN
-        self._say("good", f"{says['what']}. Point here to see it again.")
+        self._say("good", f"{says['big']} {says['what']}. Point here to see it again.")
         ui.run_javascript(f"bench.own({json.dumps({'frame': frame, 'says': says, 'name': called(text)})})")
 
     def _say(self, kind: str, text: str) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from daq.exporting import Exported, encode
 from daq.recording import Array, Channel, Recording
 from daq.session import Session
+from identify.effects.library import find_effect
 from identify.fitting.fit import Fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations import examples
@@ -16,8 +17,10 @@ from station.operations.identifying import identify_session, kept_options, write
 from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.viewer_tabs import kept_tabs
 from station.report.write import write_report
+from station.results.documents import EstimateDocument
 from station.results.ladder import read_ladder
 from station.settings import Settings
+from station.text.numbers import with_names
 from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
 from station.workbench.parts import part
@@ -68,7 +71,12 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
     session = Session.open(folder)
     truth, ladder = what_was_hidden(session), read_ladder(session)
     hidden = truth["hidden"]
-    values = ", ".join(f"{name} {value:.4g}" for name, value in truth["parameters"].get(hidden, {}).items())
+    units = {parameter.name: parameter.unit for parameter in find_effect(hidden).parameters}
+    known = truth["parameters"].get(hidden, {}).items()
+    estimates = {
+        name: EstimateDocument(value=value, std=None, unit=units.get(name, "")) for name, value in known
+    }
+    values = ", ".join(with_names(estimates))
     words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
     found = ladder is not None and hidden in ladder.top.effects
     return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"
@@ -96,4 +104,9 @@ def report(settings: Settings, say: Say, folder: Path) -> str:
     """Write the report of a session; return the way to it as HTML."""
     say("writing the report")
     write_report(Session.open(folder), settings=settings, progress=say)
-    return part("report", f"/report/{quote(folder.name, safe='')}")
+    return way_to_report(folder.name)
+
+
+def way_to_report(key: str) -> str:
+    """Write the way to the report of a session as HTML."""
+    return part("report", f"/report/{quote(key, safe='')}")

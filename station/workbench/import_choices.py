@@ -34,7 +34,8 @@ class ImportChoices:
                 widgets.html().content = part("sparkline", column.line)
                 role = _select(f"Role of {column.place}", list(ROLES), field.role)
                 units = list(dict.fromkeys(("", field.unit, *UNITS)))
-                unit = _select(f"Unit of {column.place}", units, field.unit)
+                known = field.unit != "counts" or field.name  # of a column without a head it is a guess
+                unit = _select(f"Unit of {column.place}", units, field.unit if known else "")
                 unit.props("use-input hide-selected fill-input new-value-mode=add-unique")
                 self._boxes.append((role, unit))
         rate = "Rate, Hz (in place of time stamps)"
@@ -46,7 +47,7 @@ class ImportChoices:
                 "small wrap",
             )
             for said in (
-                "Numbers in the names of files, as {arm:d}P.txt",
+                "Numbers in the names of files: {arm:d}P.txt takes 12 from 12P.txt as arm",
                 "What varies between them, as stiffness,inertia",
             ):
                 self._of_files.append(ui.input(said).props("dense outlined"))
@@ -59,6 +60,8 @@ class ImportChoices:
         """Return the recipe as the boxes stand. Raises UsageProblem, in a sentence, where a unit does not fit a role."""
         said: dict[str, Any] = self._recipe.model_dump(by_alias=True)
         for field, (role, unit) in zip(said["fields"], self._boxes, strict=True):
+            if field["unit"] and not unit.value and role.value not in ("ignored", "run"):
+                raise UsageProblem(f"choose the unit of the {role.value}")
             field |= {"role": role.value, "unit": unit.value or ""}
         try:
             return Recipe.model_validate(said | {"rate": self._rate.value or None})

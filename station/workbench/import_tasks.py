@@ -22,7 +22,7 @@ from station.text.content import Paragraph
 from station.workbench.parts import part
 from station.workbench.session_list import outline
 from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
-from station.workbench.worker import Say
+from station.workbench.worker import Say, on_the_page
 
 
 def import_files(
@@ -55,7 +55,10 @@ def import_files(
         return _question(first, refusal.proposal.recipe, "; ".join(doubts))
     sessions = [session.folder.name for session in made.sessions]
     more = [f"its other releases: {', '.join(sessions[1:])}"] if sessions[1:] else []
-    return Imported(sessions, "; ".join([*made.notes, *more]))
+    notes = [on_the_page(note) for note in made.notes]
+    if notes != list(made.notes):
+        notes.append("where that is wrong, tick Show the columns first and drop the file again")
+    return Imported(sessions, "; ".join([*notes, *more]))
 
 
 def _question(file: Path, recipe: Recipe, sentence: str) -> ImportQuestion:
@@ -96,7 +99,7 @@ def _campaign(
         say(f"{len(ready)} of {len(sources)} sessions identified")
 
     found = told(campaign(sources, settings, settings.sessions / FOLDER, workers=0, watch=watch))
-    remarks = tuple(Paragraph(line) for line in lines)
+    remarks = tuple(Paragraph(on_the_page(line)) for line in lines)
     return Imported(
         [source.folder.name for source in sources],
         part("told", replace(found, brief=(*remarks, *found.brief))),

@@ -4,7 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from daq.errors import DataLost
+from daq.manifest import known_manifest
 from daq.session import Session
+from daq.session_reading import INFO, RAW
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from station.exits import UsageProblem
@@ -68,19 +71,33 @@ def open_session(settings: Settings, folder: Path) -> Opened:
     """Open a session as its results stand; a release that was prepared before is prepared."""
     session = Session.open(folder)
     ladder = read_ladder(session)
-    raw, described = (
-        (folder / "raw.log").stat(),
-        (folder / "session.json").stat(),
-    )  # a mass changes the forces
+    if not (folder / RAW).is_file():
+        raise _without_raw(session, "is missing")
+    raw, described = (folder / RAW).stat(), (folder / INFO).stat()  # a mass changes the forces
     stamp = (raw.st_mtime_ns, raw.st_size, described.st_mtime_ns)
     known = _opened.get(folder)
     if known is None or known.stamp != stamp:
         while len(_opened) >= MOST_OPEN:
             del _opened[next(iter(_opened))]
-        begun = open_refinement(session, settings)
+        try:
+            begun = open_refinement(session, settings)
+        except DataLost:
+            manifest = known_manifest(folder)
+            if manifest is None or manifest.files[RAW].size <= raw.st_size:
+                raise
+            raise _without_raw(session, "is shorter than when it was written") from None
         known = _opened[folder] = Opened(stamp, begun, begun)
     known.refinement = known.begun if ladder is None else replace(known.begun, ladder=ladder, session=session)
     return known
+
+
+def _without_raw(session: Session, how: str) -> UsageProblem:
+    """Say how the raw log of a session was damaged, and what to do."""
+    source = session.source_file
+    todo = "put it back from a copy, or record again"
+    if source is not None and source.is_file():
+        todo = f"import {source.parent.name}/{source.name} in the folder of the session again"
+    return UsageProblem(f"{RAW}, which holds the samples of {session.folder.name}, {how}: {todo}")
 
 
 def fit_of(refinement: Refinement, step: KeptStep) -> Fit:

@@ -12,8 +12,6 @@ from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.waiting import TellingPanel
 
-MOST = 30
-
 
 def others_menu(
     session: SessionState, session_list: SessionList, changed: Callable[[], Any] = lambda: None
@@ -31,7 +29,7 @@ def others_menu(
 
     def fill() -> None:
         offered = [e for e in session_list.entries() if e.folder != session.folder and not e.problem]
-        body.content = part("others", offered[:MOST], session.others)
+        body.content = part("others", offered, session.others)
 
     with widgets.button(called(), lambda: None, "Choose releases to look at together") as button:
         button.bind_text_from(session, "others", lambda _: called())

@@ -8,6 +8,7 @@ from nicegui import background_tasks, ui
 
 from identify.formatting import plain_name
 from station.operations import refining
+from station.report.write import NAME
 from station.workbench import further_tasks, tasks, telling, widgets
 from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel, ScopePanel
@@ -82,6 +83,8 @@ class Page:
             SessionMenu(self._state, self._session, self._key)
             with widgets.line().props("aria-live=polite"):
                 self._report = TellingPanel(self._session, further_tasks.report, "gathering")
+                if self._state.session_list.result_of(self._key, NAME):
+                    self._report.show(further_tasks.way_to_report(self._key))
             widgets.button("Report", self._write_report, "Write the report of this session")
         widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
@@ -130,6 +133,8 @@ class Page:
         """Name what a click on an element of `parts.html` does, by the name that the element carries."""
 
         async def reveal(_: str) -> None:
+            session.notice = "Asking the simulated board what it hid …"
+            session.changed()
             try:
                 session.notice = await session.ask(further_tasks.reveal)
             except Failed as failure:

@@ -43,7 +43,7 @@ def serve(
         os.environ.setdefault("NICEGUI_STORAGE_PATH", temporary)
         import uvicorn
 
-        from station.workbench.application import make
+        from station.workbench.application import make, say_stopped
         from station.workbench.session_list import address_of
 
         bound = opened.getsockname()[1]
@@ -59,9 +59,15 @@ def serve(
         address = f"{page}{'&' if '?' in page else '?'}token={token}"
         say_in_one_line(say)
         config = uvicorn.Config(
-            app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
+            app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=1
         )
-        server = uvicorn.Server(config)
+
+        class Server(uvicorn.Server):
+            async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+                await say_stopped()
+                await super().shutdown(sockets)
+
+        server = Server(config)
 
         async def run() -> None:
             say(f"workbench: {address}")

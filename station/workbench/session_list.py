@@ -11,6 +11,7 @@ import numpy as np
 from daq.errors import StationError
 from daq.recording import Array
 from daq.session import Session, SessionSummary, State, list_sessions
+from station.results.guide_document import NAME
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.view_models import Numbers
 
@@ -50,7 +51,7 @@ class Entry:
 
 
 class SessionList:
-    """The sessions of a folder and those named on the command line."""
+    """The sessions of a folder, those of the guided tests in it, and those named on the command line."""
 
     def __init__(self, sessions: Path, named: tuple[Path, ...]) -> None:
         self.sessions = sessions
@@ -73,7 +74,11 @@ class SessionList:
         for parent in dict.fromkeys(folder.parent for folder in self._named):
             yield from (s for s in list_sessions(parent) if s.folder.resolve() in self._named)
         if self.sessions.is_dir():
-            yield from reversed(list_sessions(self.sessions))
+            guided = (file.parent for file in self.sessions.glob(f"*/{NAME}"))
+            found = (summary for parent in (self.sessions, *guided) for summary in list_sessions(parent))
+            yield from sorted(
+                found, key=lambda s: s.info.created.timestamp() if s.info else 0.0, reverse=True
+            )
 
     def folder_of(self, key: str) -> Path | None:
         """Find the folder of a session by its key; None when there is none (nothing outside can be named)."""
@@ -123,10 +128,11 @@ def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
 
 
 def outline(values: Array) -> tuple[float, Numbers]:
-    """Measure how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
-    if not np.isfinite(values).any():
+    """Measure how far values go from where they end, and their outline, up and down, as shares of that; NaN leave holes."""
+    known = values[np.isfinite(values)]
+    if not len(known):
         return 0.0, []
-    values = values - np.nanmedian(values)
+    values = values - np.median(known[-len(known) // 4 :])  # not of all: before the release it was held aside
     largest = float(np.nanmax(np.abs(values)))
     line: list[float | None] = []
     for part in np.array_split(values, POINTS):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from nicegui import ui
 
@@ -47,7 +48,7 @@ class SessionMenu:
             describe(folder, **changes, mass_kg=mass.value)
             place = rename(folder, str(name.value or ""))
             if place != folder:
-                self._leave(address_of(place.name))
+                self._leave(place, address_of(place.name))
                 return
             self._dialog.close()
             self._session.start("Reading and fitting", tasks.look)
@@ -66,7 +67,7 @@ class SessionMenu:
     def _delete(self) -> None:
         def delete() -> None:
             to_bin(self._session.folder)
-            self._leave("/")
+            self._leave(self._session.folder, "/")
 
         with self._asking(f"Delete {self._key}?", delete, "Move to the bin", "Keep it"):
             widgets.label(
@@ -102,7 +103,7 @@ class SessionMenu:
         else:
             ui.download.content(text, f"{self._key}.csv", "text/csv")
 
-    def _leave(self, address: str) -> None:
-        """Forget the session as it was, and go elsewhere."""
-        self._state.sessions.pop(self._session.folder, None)
+    def _leave(self, place: Path, address: str) -> None:
+        """Tell that the session was moved to a place, and go elsewhere."""
+        self._state.moved(self._session.folder, place)
         ui.navigate.to(address)

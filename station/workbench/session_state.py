@@ -14,6 +14,7 @@ from station.operations import refining
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.pipeline import silent
+from station.text.layout import sentence
 from station.workbench import tasks
 from station.workbench.opened_session import results_stamp
 from station.workbench.statements import called
@@ -44,13 +45,26 @@ class SessionState:
         self._suspects_drawn = False
         self.earlier: list[KeptLadder] = []
         self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
-        self.others: tuple[Path, ...] = ()
+        self._others: tuple[Path, ...] = ()
         self.problem = self.notice = self.progress = ""
         self.running: Running | None = None
         self.version = 0
         self.news = Event[[]]()
         self._job: asyncio.Future[View] | None = None
         self._runs: set[asyncio.Task[None]] = set()
+
+    @property
+    def others(self) -> tuple[Path, ...]:
+        """The other sessions that are looked at together with this one, as far as they are still there."""
+        return tuple(folder for folder in self._others if folder.is_dir())
+
+    @others.setter
+    def others(self, folders: tuple[Path, ...]) -> None:
+        self._others = folders
+
+    def follow(self, folder: Path, place: Path) -> None:
+        """Go on with another session that was moved to a place."""
+        self._others = tuple(place if other == folder else other for other in self._others)
 
     def open(self) -> None:
         """Look at the session unless it is known as its results stand."""
@@ -160,11 +174,15 @@ class SessionState:
         if self.summary and not suspects and all(name in self.frames for name in view.step_frames):
             return
 
-        def hear(drawn: Drawn) -> None:
-            if view is self.view:  # else another task has answered meanwhile, and asks for its own
-                known, self.frames = self.suspects, self.frames | drawn.frames
-                self.suspects = Drawn({}, known.suspects | drawn.suspects, known.says | drawn.says)
-                self.changed()
+        def hear(said: Drawn | str) -> None:
+            if view is not self.view:  # another task has answered meanwhile, and asks for its own
+                return
+            if isinstance(said, str):  # what it finds cannot be kept
+                self.notice = sentence(said.removeprefix("note: "))
+            else:
+                known, self.frames = self.suspects, self.frames | said.frames
+                self.suspects = Drawn({}, known.suspects | said.suspects, known.says | said.says)
+            self.changed()
 
         with contextlib.suppress(asyncio.CancelledError, Failed):
             words = await self.ask(
@@ -176,7 +194,14 @@ class SessionState:
 
     async def ask(self, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task on this session; raises Failed."""
-        return await self.workers.do(str(self.folder), task, self.folder, *arguments, say=say)
+        try:
+            return await self.workers.do(str(self.folder), task, self.folder, *arguments, say=say)
+        except Failed:
+            if self.folder.is_dir():
+                raise
+            raise Failed(
+                f"the folder {self.folder} is gone: it was renamed or removed outside this page"
+            ) from None
 
     def undo(self) -> None:
         """Go back to the ladder before the last change."""

@@ -43,7 +43,7 @@ def says_of(view: View, summary: str) -> dict[str, Drawing]:
         f"step{place}": _step(view, place, step, summary) for place, step in enumerate(view.ladder.steps)
     }
     for suspect in view.diagnosis.suspects if view.diagnosis is not None else ():
-        name, values = plain_name(suspect.effect), parameters(suspect)
+        name, values = plain_name(suspect.effect), parameters(suspect).replace("in the ", "In the ", 1)
         found[suspect.effect] = with_effect(
             view.ladder, name, suspect.motion_percent, suspect.error_after, values
         )

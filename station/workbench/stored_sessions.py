@@ -29,7 +29,7 @@ def plain_name(given: str) -> str:
 
 def rename(folder: Path, wanted: str) -> Path:
     """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
-    name = plain_name(wanted.strip()) if wanted.strip() else ""
+    name = plain_name(re.sub(r"[/\\]", "_", wanted)) if wanted.strip() else ""
     if not name:
         raise UsageProblem("a session needs a name of letters, digits, dots and dashes")
     place = folder.with_name(name)

@@ -72,6 +72,10 @@ class TellingPanel(Waiting):
         self._wanted: object = None
         self._body = widgets.html("told")
 
+    def show(self, told: str) -> None:
+        """Show what was told before, as HTML."""
+        self._body.content = told
+
     async def open(self, *arguments: object, anew: bool = False) -> None:
         """Show what is told with `arguments`, unless that is shown already of the session as it stands, or under way."""
         view, folder = self._session.view, self._session.folder

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import multiprocessing
+import re
 import signal
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +19,13 @@ from station.settings import Settings
 from station.story.pipeline import silent
 
 MOST = 2
+OPTION = re.compile(
+    r"""see\ `[^`]+`,\ or\                                             # another command
+    |\ \([^()]*--[a-z][^()]*\)                                      # what an option does, in brackets
+    |,?(?:\ (?:as|as\ in|with))?\ --[a-z][a-z-]*(?:\ [\w.]+=(?:'[^']*'|[^\s;,)]+)|\ [\w.-]*\d[\w.-]*)?""",
+    re.VERBOSE,
+)
+"""What a message says to who types commands."""
 
 Say = Callable[[Any], None]
 """Called with what a task does, in words, or with a part of what it finds."""
@@ -69,6 +77,11 @@ class Worker:
         self._process.join()
 
 
+def on_the_page(words: str) -> str:
+    """Leave out of a message the options and commands that nobody can type on the page."""
+    return OPTION.sub("", words)
+
+
 def _serve(pipe: Connection, settings: Settings) -> None:
     """Do what comes through the pipe until it is closed; runs in the worker's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then ends its workers
@@ -79,7 +92,7 @@ def _serve(pipe: Connection, settings: Settings) -> None:
             try:
                 result = task(settings, lambda content: pipe.send(("said", content)), *arguments)
             except Exception as error:
-                pipe.send(("failed", sentence_of(error)))
+                pipe.send(("failed", on_the_page(sentence_of(error))))
             else:
                 pipe.send(("done", result))
     except (EOFError, OSError):  # the server has gone

@@ -1,14 +1,22 @@
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from rich.console import Console
 
+from daq.capture import CaptureObserver, CaptureSettings
+from daq.quality import Grade, Verdict
+from daq.recording import Channel
 from identify.diagnosis.guidance import first_release
 from station.cli import run
 from station.exits import UsageProblem
-from station.operations.guiding import _again, limits_of
+from station.operations import guiding
+from station.operations.guiding import SMALLER, GuidedTest, _again, guide, limits_of
+from station.operations.provisional import Provisional
 from station.results.diagnosis_parts import HypothesisDocument
 from station.results.guide_document import TurnDocument
+from station.settings import Settings
 from station.text.guide_text import gave, odds_chart, percent
 
 
@@ -65,11 +73,57 @@ def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
 
 def test_a_rejected_recording_is_taken_again_and_at_last_given_up():
     told = first_release(limits_of("2mm,25mm"))
-    once = _again(told, "the recording was rejected: it clips", [])
+    limits = limits_of("2mm,25mm")
+    once = _again(told, "the recording was rejected: it sticks", limits, [])
     assert once.experiment == told.experiment
-    assert "it clips" in once.words
-    assert not _again(told, "it clips", ["clips", "", "clips"]).over  # one between them was good
-    assert _again(told, "it clips", ["", "clips", "clips"]).state == "given_up"
+    assert "it sticks" in once.words
+    assert not _again(told, "it sticks", limits, ["sticks", "", "sticks"]).over  # one between them was good
+    assert _again(told, "it sticks", limits, ["", "sticks", "sticks"]).state == "given_up"
+
+
+def test_a_release_that_went_over_the_range_of_a_sensor_is_taken_again_from_a_smaller_amplitude(
+    tmp_path, monkeypatch
+):
+    asked: list[tuple[float, str]] = []
+
+    class Watching:
+        def asks(self, number, told):
+            asked.append((told.experiment.amplitude, told.words))
+
+        def observer(self):
+            return None
+
+        def judged(self, turn, document):
+            assert document is None
+
+    clipped = Verdict(
+        grade=Grade.REJECT, reasons=("it clips",), advice=("a smaller release, or a wider range",)
+    )
+    recorded = SimpleNamespace(folder=tmp_path / "one", verdict=clipped)
+    monkeypatch.setattr(guiding, "_record", lambda *_: (recorded, ""))
+    test = GuidedTest("", CaptureSettings(), limits_of("6mm,25mm"), tmp_path, Settings())
+    given_up = guide(test, Watching())
+    assert given_up.state == "given_up"
+    assert given_up.words.endswith("Above 6 mm a sensor goes over its range.")
+    first, second, third = asked
+    assert second[0] == pytest.approx(SMALLER * first[0])
+    assert "smaller" in second[1]
+    assert third[0] == pytest.approx(0.006)  # no smaller than the limit
+
+
+@pytest.mark.parametrize(("limit", "answers"), [(1e9, 1), (0.006, 0)])
+def test_a_decay_that_is_cut_off_gets_no_answer_while_it_still_runs(limit, answers):
+    clock = np.arange(-1000, 4000) / 500.0
+    decay = np.where(clock < 0.0, 0.01, 0.01 * np.exp(-0.3 * clock) * np.cos(24.0 * clock))
+    decay += np.random.default_rng(1).normal(scale=5e-6, size=len(clock))
+    samples, said = np.clip(decay, -limit, limit)[np.newaxis], list[str]()
+    provisional = Provisional((), (), 500.0, 8.0, said.append, CaptureObserver())
+    provisional.connected(None, (Channel("displacement", "displacement", "m"),))
+    provisional.block(0, samples[:, :1000])
+    provisional.state("recording", "")
+    provisional.block(1000, samples[:, 1000:])
+    provisional._pool.shutdown()
+    assert len(said) == answers
 
 
 @pytest.mark.slow

@@ -166,6 +166,11 @@ def test_the_ladder_falls_to_the_floor_and_can_be_gone_back_on(bench, diagnosis,
     back = told(capsys, "refine", DUFFING.stem, "--to", "1")
     assert back["steps"] == second["steps"]
     assert back["steps_above"] == 1
+    assert back["stopped_because"] == "gone back to step 1"
+    assert (
+        told(capsys, "refine", DUFFING.stem, "--to", "2")["stopped_because"] == ""
+    )  # there is no step above
+    told(capsys, "refine", DUFFING.stem, "--to", "1")
     again = told(capsys, "refine", DUFFING.stem, "--add", "quadratic_damping")
     assert [step["added"] for step in again["steps"]] == [None, "cubic_stiffness", "quadratic_damping"]
     assert again["steps_above"] == 0

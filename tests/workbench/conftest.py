@@ -91,6 +91,7 @@ def bench(mysteries: Callable[[], Path], tmp_path_factory: pytest.TempPathFactor
         process.send_signal(signal.SIGINT)
         rest = process.communicate(timeout=20)[1]
         assert "Traceback" not in rest, rest
+        assert "nicegui" not in rest, rest
 
 
 @pytest.fixture(scope="session")

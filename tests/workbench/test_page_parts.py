@@ -8,10 +8,16 @@ import pytest
 
 from daq.capture import CaptureSettings
 from daq.recording import Channel
+from identify.effects.library import LIBRARY, find_effect
+from identify.formatting import plain_name
 from station.exits import UsageProblem
+from station.settings import Settings
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
 from station.workbench.capture_run import ScopeTrace
+from station.workbench.opened_session import open_session
+from station.workbench.parts import begun
+from station.workbench.session_list import outline
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 
@@ -32,6 +38,11 @@ def test_a_suspect_is_said_to_explain_a_share_of_what_is_above_the_noise(before,
     assert explained_words(before, after, 0.06) == words
 
 
+def test_an_effect_is_found_by_the_name_on_its_card():
+    for effect in LIBRARY:
+        assert find_effect(begun(plain_name(effect.name))) is effect
+
+
 @pytest.fixture
 def kept(tmp_path):
     from station.operations.examples import open_example
@@ -42,8 +53,8 @@ def kept(tmp_path):
 def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
     from daq.session import Session, list_sessions
 
-    place = stored_sessions.rename(kept, "second try")
-    assert (place.name, Session.open(place).info.name) == ("second_try", "second_try")
+    place = stored_sessions.rename(kept, " Motor 2/links ")
+    assert (place.name, Session.open(place).info.name) == ("Motor_2_links", "Motor_2_links")
     stored_sessions.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
     binned = stored_sessions.to_bin(place)
@@ -59,6 +70,19 @@ def test_a_name_that_is_none_leaves_the_session_where_it_is(kept, wanted):
             stored_sessions.rename(kept, wanted)
     else:
         assert stored_sessions.rename(kept, wanted).parent == kept.parent
+
+
+@pytest.mark.parametrize(
+    ("left", "said"), [(None, "is missing"), (2000, "is shorter than when it was written")]
+)
+def test_a_raw_log_that_was_damaged_is_named_with_what_to_do(kept, left, said):
+    raw = kept / "raw.log"
+    before = raw.read_bytes()
+    raw.unlink()
+    if left is not None:
+        raw.write_bytes(before[:left])
+    with pytest.raises(UsageProblem, match=rf"raw.log, which .*, {said}: import source/.* again"):
+        open_session(Settings(), kept)
 
 
 def test_a_mass_below_nothing_is_refused_in_words(kept):
@@ -79,6 +103,14 @@ def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
     assert found.noise == pytest.approx(2e-3, rel=0.1)
     assert found.level == pytest.approx(1.0)  # one per cent of a range of 100 mm
     assert 2 <= len(found.points) <= 700
+
+
+def test_the_amplitude_in_the_list_is_counted_from_the_rest_at_the_end():
+    clock = np.linspace(-10.0, 20.0, 5000)
+    swing = 3.0 + 12.0 * np.where(clock < 0.0, 1.0, np.exp(-0.3 * clock) * np.cos(9.0 * clock))
+    largest, line = outline(np.where(clock > 19.0, np.nan, swing))
+    assert largest == pytest.approx(12.0, rel=0.005)
+    assert max(value for value in line if value is not None) == 1.0
 
 
 def palette(scheme):

@@ -79,6 +79,8 @@ def test_several_files_of_one_logger_run_through_a_campaign_by_one_answer(visit,
     page.locator(".drop input[type=file]").set_input_files(files)
     page.get_by_text("The other 1 files are read alike").wait_for()
     unit = page.get_by_label("Unit of column 2")
+    page.get_by_role("button", name="Read 2 files so").click()
+    page.get_by_text("choose the unit of the displacement").wait_for()  # nothing in the file says it
     unit.click()
     page.get_by_role("option", name="deg", exact=True).click()
     page.get_by_label("Numbers in the names of files").fill("arm{n:d}.csv")

@@ -71,7 +71,9 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     assert abs(residual_of_steps(page)[1] - 1.0) < 0.3  # four standard errors of a floor that is known to 7 %
     page.get_by_text("At the noise floor").wait_for()
     page.get_by_role("button", name="Reveal the mystery").click()
-    page.get_by_text("The simulated board hid Stribeck friction").wait_for()
+    page.get_by_text(
+        re.compile(r"The simulated board hid Stribeck friction.*\(dmu = [\d.]+\sm/s², vs = ")
+    ).wait_for()
     page.reload()
     page.wait_for_function("document.querySelectorAll('.step').length == 2")
 
@@ -95,6 +97,8 @@ def test_the_report_of_a_session_is_written_from_the_page(visit, bench):
     page.wait_for_selector(".step")
     page.get_by_role("button", name="Write the report of this session").click()
     report = page.get_by_role("link", name="Open the report")
+    report.wait_for()
+    page.reload()
     report.wait_for()
     text = page.request.get(bench.address + report.get_attribute("href")).text()
     assert "coulomb" in text.lower()
@@ -127,6 +131,7 @@ def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off
     add.and_(
         page.locator(":enabled")
     ).wait_for()  # the sentence changes as soon as it is fitted and previewed
+    assert page.get_by_text(re.compile(r"^[\d.]+ % of the motion with drag")).count() == 1
     add.click()
     page.wait_for_function("document.querySelectorAll('.step').length == 2")
     assert abs(residual_of_steps(page)[1] - 1.0) < 0.3

@@ -13,6 +13,7 @@ import pytest
 
 from station.settings import Settings
 from station.workbench import tasks, worker
+from station.workbench.app_state import AppState
 from station.workbench.session_state import Running, SessionState
 from station.workbench.view_models import Drawn
 
@@ -86,6 +87,7 @@ class Answering:
         answer = self.answers.get(task.__name__)
         if task is tasks.complete and answer is not None:
             say(answer)
+            say("note: nothing may be written here")
             return "where it fails"
         return answer
 
@@ -101,6 +103,7 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
             await asyncio.gather(*session._runs)
             assert session.suspects.suspects == {diagnosis: drawn}
             assert drawn in session.frames
+            assert session.notice == "Nothing may be written here."
         assert pool.asked.count("complete") == 2  # not a third time: nothing had changed
 
     alone(story)
@@ -140,6 +143,21 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
     assert (session.results / "ladder.json").read_text() == "new"
 
 
+def test_a_session_that_is_ticked_beside_others_follows_its_new_name_and_goes_when_it_is_gone(tmp_path):
+    state = AppState(Settings(), Answering({}), None, tmp_path)  # type: ignore[arg-type]
+    folders = [tmp_path / name for name in ("one", "two", "three")]
+    for folder in folders:
+        folder.mkdir()
+    first = state.session(folders[0])
+    first.others = tuple(folders[1:])
+    state.session(folders[1])
+    state.moved(folders[1], place := folders[1].rename(tmp_path / "second"))
+    assert first.others == (place, folders[2])
+    assert list(state.sessions) == folders[:1]
+    folders[2].rmdir()
+    assert first.others == (place,)
+
+
 def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
     async def story() -> None:
         session = SessionState(Path("none"), Answering({"look": looked()}))  # type: ignore[arg-type]
@@ -151,6 +169,22 @@ def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
         assert session.notice.startswith("Adding cubic stiffness is under way")
 
     alone(story)
+
+
+@pytest.mark.parametrize(
+    ("typed", "shown"),
+    [
+        ("mm was assumed (change it with --unit displacement=...)", "mm was assumed"),
+        ("where letters are wrong, name another, as --encoding cp1250 (Central Europe)",
+         "where letters are wrong, name another (Central Europe)"),
+        ("name its encoding, as --encoding utf-16-le, or export it as CSV", "name its encoding, or export it as CSV"),
+        ("use --column displacement='Position (mm)' or --resample; it ends", "use or; it ends"),
+        ("no effect is called 'x'; see `station effects`, or write one", "no effect is called 'x'; write one"),
+        ("u--v at -3 mm - or not", "u--v at -3 mm - or not"),
+    ],
+)  # fmt: skip
+def test_the_page_names_no_option_of_a_command(typed, shown):
+    assert worker.on_the_page(typed) == shown
 
 
 def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():

@@ -21,10 +21,12 @@ document.documentElement.lang = "en";
     const mark = (y, name, colour, type) => ({ yAxis: y, name, lineStyle: { color: bench.css(colour), type }, label: { formatter: name, color: bench.css(colour) } });
     const marks = [...(now.level ? [mark(zero + now.level, "release", "bad", "dashed"), mark(zero - now.level, "", "bad", "dashed")] : []), ...(now.zero === null ? [] : [mark(zero, now.level > 0.2 * reach ? "zero" : "", "good", "solid")])];
     chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() }, grid: { left: 60, right: 70, top: 26, bottom: 36 }, xAxis: bench.axis("seconds until now [s]", 0, { type: "value", min: -8, max: 0 }),
-      yAxis: bench.axis(`${now.channel} [${now.unit}]`, 0, { type: "value", min: zero - reach, max: zero + reach, nameLocation: "end", nameGap: 8, axisLabel: { color: bench.css("faint"), formatter: (y) => Number(y.toPrecision(3)).toString() } }),
+      yAxis: bench.axis(`${now.channel} [${now.unit}]`, 0, { type: "value", min: zero - reach, max: zero + reach, nameLocation: "end", nameGap: 8, axisLabel: { formatter: (y) => Number(y.toPrecision(3)).toString() } }),
       series: [{ type: "line", symbol: "none", data: now.points, lineStyle: { color: bench.css("left"), width: 1.6 }, silent: true, markLine: { symbol: "none", silent: true, data: marks },
         markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: now.noise ? [[{ yAxis: zero - 2 * now.noise }, { yAxis: zero + 2 * now.noise }]] : [] } }] });
   };
+
+  bench.stopped = () => document.body.insertAdjacentHTML("beforeend", '<div class="card strong stopped" role="alert">The station was stopped. All is kept in the sessions; start it again to go on.</div>');
 
   // Rerun's viewer says when it has started.
   window.addEventListener("message", (event) => {

@@ -16,13 +16,14 @@
     const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join()), own = S.says["(own)"];
     for (const key of ["suspects", "says", "names"])
       if (news[key]) S[key] = !another && own && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
+    // What is looked at stays while further pictures come; a step that one has gone to is shown itself, though its best suspect is known.
+    if (another) { S.best = S.steps.length ? news.best : null; S.present = news.present; S.film = S.selected = null; }
     if (news.steps) S.steps = news.steps;
-    if (another) { S.present = news.present; S.film = S.selected = S.best = null; }  // what is looked at stays while further pictures come
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
     if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
     bench.draw();
-    setTimeout(say, 300);  // cards and buttons may come a moment after what is said of them
+    setTimeout(bench.draw, 300);  // cards, buttons and the width of a chart may come a moment after what is said of them
   };
   bench.choose = (key, value) => { S[key] = value; bench.draw(); };
   bench.select = (name) => { S.selected = name; bench.draw(); };
@@ -62,20 +63,20 @@
   }) : NONE;
   const cell = (_, api) => ({ type: "polygon", shape: { points: S.cells[api.value(3)].map((p) => api.coord(p)) }, style: { fill: api.visual("color"), stroke: api.visual("color"), lineWidth: 0.6 } });
 
-  const axis = (name, grid, more) => ({ gridIndex: grid, name, nameLocation: "middle", nameGap: 22, nameTextStyle: { color: bench.css("ink"), fontSize: 11 }, axisLine: { show: true, onZero: false, lineStyle: { color: bench.css("faint") } },
-    axisLabel: { color: bench.css("faint"), fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false }, splitLine: { lineStyle: { color: bench.css("grid") } }, splitNumber: 4, ...more });
+  const axis = (name, grid, { axisLabel, ...more }) => ({ gridIndex: grid, name, nameLocation: "middle", nameGap: 22, nameTextStyle: { color: bench.css("ink"), fontSize: 11 }, axisLine: { show: true, onZero: false, lineStyle: { color: bench.css("faint") } },
+    axisLabel: { color: bench.css("faint"), fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false, ...axisLabel }, splitLine: { lineStyle: { color: bench.css("grid") } }, splitNumber: 4, ...more });
   const title = (text, left, top = 0, width = undefined) => ({ text, left, top, textStyle: { color: bench.css("ink"), fontSize: 12, fontWeight: 600, width, overflow: "truncate" } });
   const legend = (data, top) => ({ data, right: 4, top, itemWidth: 14, itemHeight: 4, icon: "roundRect", textStyle: { color: bench.css("ink"), fontSize: 11 } });
   bench.axis = axis;
 
   function map(chart, frame, stage) {
     const before = bench.before(), largest = 1.04 * stage.cycle.rows[stage.cycle.rows.length - 1], up = largest * stage.velocity_per_amplitude, u = stage.units;
-    const maps = before ? [before, frame] : [frame], width = before ? 39 : 84, said = saidOf();
-    const words = before ? [`before: ${said.before}`, said.now] : [said.now], places = maps.map((_, k) => 7 + k * 46.5);
+    const maps = before ? [before, frame] : [frame], width = before ? 37 : 82, said = saidOf();
+    const words = before ? [`before: ${said.before}`, said.now] : [said.now], places = maps.map((_, k) => 7 + k * 45);
     chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() }, title: words.map((text, k) => title(text, `${places[k]}%`, 0, before ? 0.43 * chart.getWidth() : undefined)),
       grid: maps.map((_, k) => ({ left: `${places[k]}%`, width: `${width}%`, top: 22, bottom: 38 })),
       xAxis: maps.map((_, k) => axis(`displacement [${u.u}]`, k, { type: "value", min: -largest, max: largest })),
-      yAxis: maps.map((_, k) => axis(k ? "" : `velocity [${u.v}]`, k, { type: "value", min: -up, max: up, nameGap: 34, axisLabel: { show: !k, color: bench.css("faint"), fontSize: 11, showMinLabel: false, showMaxLabel: false } })),
+      yAxis: maps.map((_, k) => axis(k ? "" : `velocity [${u.v}]`, k, { type: "value", min: -up, max: up, nameGap: 34, axisLabel: { show: !k } })),
       visualMap: { type: "continuous", dimension: 2, min: -S.reach, max: S.reach, right: 0, top: "middle", itemHeight: 90, itemWidth: 10, precision: 2, padding: 0, inRange: { color: ["map-low", "map-middle", "map-high"].map(bench.css) },
         text: ["+", "\u2212"].map((sign) => `${sign}${Number(S.reach.toPrecision(2))} ${u.f}`), textStyle: { color: bench.css("ink"), fontSize: 11 }, hoverLink: false },
       series: maps.map((one, k) => ({ type: "custom", id: k === maps.length - 1 ? "after" : "before", xAxisIndex: k, yAxisIndex: k, silent: true, clip: true, encode: { x: 0, y: 1 }, renderItem: cell, data: stained(one) })),
@@ -85,14 +86,14 @@
   function traces(chart, frame, stage) {
     const trace = stage.traces[S.channel], before = bench.before(), t = stage.time, pairs = (ys) => ys.map((y, i) => [t[i], y]);
     const line = (id, name, ys, grid, colour, width, more) => ({ id, name, type: "line", xAxisIndex: grid, yAxisIndex: grid, data: pairs(ys), symbol: "none", silent: true, tooltip: { valueFormatter: (y) => (typeof y === "number" ? `${y.toPrecision(4)} ${grid ? trace.fine_unit : trace.unit}` : "?") }, lineStyle: { width, color: bench.css(colour) }, itemStyle: { color: bench.css(colour) }, ...more });
-    const reach = Math.max(1.1 * size(first().left[S.channel]), 3 * trace.sigma), ends = [Math.min(0, t[0]), t[t.length - 1]];
-    const time = { type: "value", min: ends[0], max: ends[1], axisPointer: { label: { formatter: (p) => `t = ${p.value.toFixed(3)} s` } } }, noise = [[{ yAxis: -2 * trace.sigma }, { yAxis: 2 * trace.sigma }]];
+    const reach = Math.max(1.1 * size(first().left[S.channel]), 3 * trace.sigma), ends = { showMinLabel: null, showMaxLabel: null };
+    const time = { type: "value", min: Math.min(0, t[0]), max: t[t.length - 1], axisPointer: { label: { formatter: (p) => `t = ${p.value.toFixed(3)} s` } } }, noise = [[{ yAxis: -2 * trace.sigma }, { yAxis: 2 * trace.sigma }]];
     chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() },
       title: [title(`${trace.channel} [${trace.unit}]`, 4), title(`residual [${trace.fine_unit}], noise (2 std)`, 4, "46%")],
       legend: [legend(["measured", "model"], 0), legend(before ? ["before", "now"] : ["now"], "46%")],
       grid: [{ left: 52, right: 12, top: 22, height: "30%" }, { left: 52, right: 12, top: "58%", bottom: 34 }],
       xAxis: [axis("", 0, { ...time, axisLabel: { show: false } }), axis("time since the release [s]", 1, time)],
-      yAxis: [axis("", 0, { type: "value", splitNumber: 2 }), axis("", 1, { type: "value", min: -reach, max: reach, splitNumber: 2, axisLabel: { color: bench.css("faint"), fontSize: 11, formatter: (y) => Number(y.toPrecision(2)).toString() } })],
+      yAxis: [axis("", 0, { type: "value", scale: true, splitNumber: 2, axisLabel: ends }), axis("", 1, { type: "value", min: -reach, max: reach, interval: reach, axisLabel: { ...ends, formatter: (y) => Number(y.toPrecision(2)).toString() } })],
       axisPointer: { link: [{ xAxisIndex: "all" }] }, dataZoom: [{ type: "inside", xAxisIndex: [0, 1], zoomOnMouseWheel: "ctrl", moveOnMouseMove: "shift" }],
       tooltip: { trigger: "axis", confine: true, backgroundColor: bench.css("paper"), borderColor: bench.css("line"), textStyle: { color: bench.css("ink"), fontSize: 12 } },
       series: [line("measured", "measured", trace.values, 0, "ink", 2.4), line("model", "model", frame.model[S.channel], 0, "model", 1.3),
@@ -105,7 +106,7 @@
     const frame = bench.shown();
     if (!S.stage || !frame) return;
     const places = { map: bench.chart("map"), traces: bench.chart("traces") }, said = saidOf();
-    const now = [frame, bench.before(), S.reach, said.before, said.now, S.channel, document.body.className, places.map, places.traces];
+    const now = [frame, bench.before(), S.reach, said.before, said.now, S.channel, document.body.className, places.map, places.traces, places.map && places.map.getWidth()];
     if (now.some((part, k) => part !== drawn[k])) {  // words that changed need no new picture
       drawn = now;
       if (places.map) map(places.map, frame, S.stage);
@@ -160,7 +161,11 @@
     if (moved) point(el ? el.dataset.preview : null);
   });
   document.addEventListener("focusin", (event) => { const el = target(event); point(el && el.matches(":focus-visible") ? el.dataset.preview : null); });
-  document.addEventListener("click", (event) => { const el = target(event); if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview); });
+  document.addEventListener("click", (event) => {
+    const el = target(event);
+    if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview);
+    else if (event.target.closest(".step")) bench.select(null);  // the model itself
+  });
   document.addEventListener("input", (event) => {
     if (event.target.id === "film") bench.filmTo(event.target.value);
     if (event.target.closest("#channel")) bench.choose("channel", Number(event.target.value));
