@@ -18,6 +18,7 @@ from station.operations.session_curves import kept_curves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.ladder import LADDER, KeptLadder
+from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
@@ -29,13 +30,15 @@ from station.story.preparation import Options
 class Findings:
     """All that is known of a session; what is None was left out, and `left_out` says why under its name.
 
-    `compared` is the current model with the record, `first` the model that its `ladder` began with, where that is another.
+    `doubt` says how the session's files are not as they were written, "" where they are. `compared` is the current model with
+    the record, `first` the model that its `ladder` began with, where that is another.
     """
 
     session: Session
     recording: Recording
     options: Options
     manifest: Manifest | None = None
+    doubt: str = ""
     identification: Identification | None = None
     compared: Compared | None = None
     first: Compared | None = None
@@ -63,6 +66,7 @@ def gather(session: Session, settings: Settings, progress: Progress) -> Findings
     _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):
         found.manifest = session.manifest()  # last, as it knows the results that were just written
+    found.doubt = doubt(session.folder)
     return found
 
 

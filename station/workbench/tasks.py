@@ -24,6 +24,7 @@ from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
+from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording, weighing_of
@@ -41,7 +42,7 @@ def look(settings: Settings, say: Say, folder: Path) -> View:
     """View a session as its results stand."""
     say("reading the session")
     opened = open_session(settings, folder)
-    return _view(settings, opened, opened.refinement.ladder)
+    return _view(settings, opened, opened.refinement.ladder, doubt(folder))
 
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = "") -> View:
