@@ -30,8 +30,8 @@ from station.story.preparation import Options
 class Findings:
     """All that is known of a session; what is None was left out, and `left_out` says why under its name.
 
-    `doubt` says how the session's files are not as they were written, "" where they are. `compared` is the current model with
-    the record, `first` the model that its `ladder` began with, where that is another.
+    `doubt` says how the session's files are not as they were written, "" where they are. `compared` is the current model
+    with the record, `first` the model that its `ladder` began with, where that is another.
     """
 
     session: Session

@@ -3,6 +3,8 @@
 import math
 
 from identify.formatting import plain_name, three_figures
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import name_of
 from station.story.residual import explained_words, times
@@ -44,10 +46,23 @@ def says_of(view: View, summary: str) -> dict[str, Drawing]:
     }
     for suspect in view.diagnosis.suspects if view.diagnosis is not None else ():
         name, values = plain_name(suspect.effect), parameters(suspect)
+        many = len(view.diagnosis.sessions)
         found[suspect.effect] = with_effect(
-            view.ladder, name, suspect.motion_percent, suspect.error_after, values
+            view.ladder,
+            name,
+            suspect.motion_percent,
+            suspect.error_after,
+            explains(view.diagnosis, suspect),
+            values,
+            f"{many} releases together" if many > 1 else "",
         )
     return found
+
+
+def explains(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    """Say how much a suspect would explain of what the model leaves in all releases that were diagnosed."""
+    floor = document.noise_floor
+    return explained_words(document.error.chi2, suspect.error_after, floor.chi2_std if floor else None)
 
 
 def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:
@@ -69,17 +84,26 @@ def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:
 
 
 def with_effect(
-    ladder: KeptLadder, called: str, motion: float | None, chi2: float | None, more: str
+    ladder: KeptLadder,
+    called: str,
+    motion: float | None,
+    chi2: float | None,
+    words: str,
+    more: str,
+    whose: str = "",
 ) -> Drawing:
-    """Say what the present model leaves with one more effect, what that explains, and `more`."""
-    words = explained_words(ladder.top.error.chi2, chi2, ladder.top.chi2_std)
+    """Say what the present model leaves with one more effect, in `words` what that explains, and `more`.
+
+    `whose` says of which releases, where these are not of the page's own alone.
+    """
+    added = f"with {called}, {whose}" if whose else f"with {called}"
     return {
         "big": f"{three_figures(motion)} %",
-        "what": f"of the motion with {called}: {times(chi2)} times the noise",
+        "what": f"of the motion {added}: {times(chi2)} times the noise",
         "words": words,
         "more": f"It {words}. {more}" if words else more,
-        "short": f"with {called}: {times(chi2)} × noise",
-        "times": times(chi2),
+        "short": f"{added}: {times(chi2)} × noise",
+        "times": f"{times(chi2)} ({whose})" if whose else times(chi2),
         "share": share(chi2, ladder),
         "floor": False,
     }

@@ -28,6 +28,7 @@ from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording, weighing_of
+from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
@@ -167,7 +168,9 @@ def _tried(opened: Opened, wanted: str) -> Drawn:
     step, _ = tried(opened.refinement, wanted)
     name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
-    says = with_effect(opened.refinement.ladder, called(wanted), error.motion_percent, error.chi2, more)
+    ladder = opened.refinement.ladder
+    words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.chi2_std)
+    says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
 
 
