@@ -25,7 +25,7 @@ def residual(axis: Axes, fit: Fit, channel: str) -> None:
     fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
         fine, name = scale(channel, window.unit)
-    noise = NOISE * window.sigma[channel] * fine
+    noise = NOISE * fit.noise(channel) * fine
     axis.axhspan(-noise, noise, color=PAPER.noise, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=PAPER.faint, lw=0.5, ls=":")

@@ -11,6 +11,7 @@ from daq.exporting import encode
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
+from station.operations.examples import open_example
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -55,6 +56,15 @@ def test_a_model_that_lacks_nothing_leaves_noise_in_every_cell(prepared):
     # the mean of n squares of unit normals has a standard error of sqrt(2/n), 0.1 with some 250 cells
     assert abs(stain(frame) - 1.0) < 0.4
     assert len(frame["cycle"]) == len(ground.stage["cycle"]["cells"])
+
+
+def test_the_noise_beside_a_residual_is_that_by_which_it_is_judged_coloured_or_not(tmp_path):
+    """The ship's roll is one channel, whose noise is a random walk: its white part is a thousandth of it."""
+    release = prepare_session(open_example("ship_roll", tmp_path), Settings())
+    fit = fitted(release)
+    frame = frame_of(ground_of(release, fit), fit)
+    left = np.array(frame["left"][0], dtype=float)
+    assert np.sqrt(np.nanmean(left**2)) / frame["noise"][0] == pytest.approx(np.sqrt(fit.reduced), rel=0.02)
 
 
 @pytest.mark.parametrize(("name", "hidden"), HIDDEN.items())
