@@ -140,10 +140,9 @@ def _line_in_words(line: Suspect) -> str:
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
-    numbers = ", ".join(quantities(top.parameters))
+    what = f"{cause} {plain_name(top.effect.name)}{_where(top)}"
     if not top.strength_known:
-        numbers = "this record does not determine its strength"
-    what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
+        what += " (this record does not determine its strength)"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
     if together:

@@ -21,9 +21,10 @@ from station.results.ladder import LADDER, KeptLadder
 from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.compared import Compared
+from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.story.pipeline import Progress, compare, silent
-from station.story.preparation import Options
+from station.story.preparation import Options, length_unit
 
 
 @dataclass(eq=False)
@@ -47,6 +48,11 @@ class Findings:
     curves: NamedCurves | None = None
     ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def weighing(self) -> Weighing:
+        """What puts the mass into forces and strengths."""
+        return Weighing(self.options.mass, self.options.mass_std, length_unit(self.recording))
 
 
 def gather(session: Session, settings: Settings, progress: Progress) -> Findings:

@@ -41,13 +41,14 @@ def suspects(found: Findings) -> list[Part]:
     document = found.diagnosis
     if document is None:
         return []
-    words = diagnosis_text.told(document, full=True)
+    words = diagnosis_text.told(document, found.weighing, full=True)
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=words.headline, strong=True)]
     if found.compared is not None and not document.is_of(found.compared.baseline.fit.model.names):
         parts.insert(0, Paragraph(f"This is the diagnosis of {document.model_is}, not of the current one."))
     parts += words.brief
     meant = tuple(
-        (s.effect, s.title, diagnosis_text.parameters(s)) for s in diagnosis_text.shown_suspects(document)
+        (s.effect, s.title, diagnosis_text.parameters(s, found.weighing))
+        for s in diagnosis_text.shown_suspects(document)
     )
     if meant:
         parts.append(Table("", ("effect", "what it is", "values"), meant, texts=3))

@@ -8,6 +8,8 @@ import numpy as np
 from daq.exporting import Exported, encode
 from daq.recording import Array, Channel, Recording
 from daq.session import Session
+from identify.effects.library import find_effect
+from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations import examples
@@ -17,6 +19,8 @@ from station.operations.mystery import hidden_words, what_was_hidden
 from station.report.write import write_report
 from station.results.ladder import read_ladder
 from station.settings import Settings
+from station.story.preparation import weighing_of
+from station.text.numbers import with_names
 from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
 from station.workbench.parts import part
@@ -67,7 +71,10 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
     session = Session.open(folder)
     truth, ladder = what_was_hidden(session), read_ladder(session)
     hidden = truth["hidden"]
-    values = ", ".join(f"{name} {value:.4g}" for name, value in truth["parameters"].get(hidden, {}).items())
+    units = {p.name: p.unit for p in find_effect(hidden).parameters if "reading" not in p.unit}
+    known = truth["parameters"].get(hidden, {}).items()
+    true = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in known}
+    values = ", ".join(with_names(weighing_of(session, settings, "m").weighed(hidden, true)))
     words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
     found = ladder is not None and hidden in ladder.top.effects
     return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"

@@ -11,7 +11,7 @@ from station.story.residual import floor_words, times
 from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
 from station.text.guide_text import odds_before, percent
 from station.text.layout import sentence
-from station.text.numbers import typeset, with_unit
+from station.text.numbers import typeset, with_names
 from station.workbench.statements import explains, share
 
 
@@ -27,7 +27,7 @@ def _macros() -> Any:
     )
     environment.filters |= {
         "plain": plain_name, "begun": begun, "times": times, "floor": floor_words, "typeset": typeset,
-        "unit": with_unit, "share": share, "explains": explains, "sentence": sentence,
+        "named": with_names, "share": share, "explains": explains, "sentence": sentence,
         "confirmed": confirmed_by, "alike": not_distinguishable, "fault": found_in_sensor,
         "percent": percent, "odds_before": odds_before,
     }  # fmt: skip

@@ -44,16 +44,18 @@ def says_of(view: View, summary: str) -> dict[str, Drawing]:
     found = {
         f"step{place}": _step(view, place, step, summary) for place, step in enumerate(view.ladder.steps)
     }
-    for suspect in view.diagnosis.suspects if view.diagnosis is not None else ():
-        name, values = plain_name(suspect.effect), parameters(suspect)
-        many = len(view.diagnosis.sessions)
+    document = view.diagnosis
+    if document is None:
+        return found
+    many = len(document.sessions)
+    for suspect in document.suspects:
         found[suspect.effect] = with_effect(
             view.ladder,
-            name,
+            plain_name(suspect.effect),
             suspect.motion_percent,
             suspect.error_after,
-            explains(view.diagnosis, suspect),
-            values,
+            explains(document, suspect),
+            parameters(suspect, view.weighing),
             f"{many} releases together" if many > 1 else "",
         )
     return found

@@ -11,6 +11,7 @@ from typing import Any
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
+from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
@@ -30,7 +31,6 @@ from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording, weighing_of
 from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
-from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
@@ -52,25 +52,27 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     names = tuple(frame_id(step.model) for step in ladder.steps)
     weighing = weighing_of(session, settings, opened.refinement.prepared.window.unit)
     opened.draw_step(ladder.top)
+    effects = _effects(ladder)
+    present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
         kept_diagnosis(session),
-        _equations(ladder),
+        {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
         {} if opened.ground is None else opened.ground.stage,
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,
-        with_mass(ladder.top, weighing),
+        typeset(f"{' + '.join(present)} = 0"),
+        weighing,
         session.info.specimen.startswith("mystery "),
     )
 
 
-def _equations(ladder: KeptLadder) -> dict[str, str]:
-    """Write the equations of the effects of the library, and of the user's own in the ladder, by the effect's name."""
+def _effects(ladder: KeptLadder) -> dict[str, Effect]:
+    """Return the effects of the library, and the user's own in the ladder, by name."""
     own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
-    effects = (*LIBRARY, *(parsed_effect(text) for text in own))
-    return {effect.name: typeset(effect.equation) for effect in effects}
+    return {effect.name: effect for effect in (*LIBRARY, *(parsed_effect(text) for text in own))}
 
 
 def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:
