@@ -1,5 +1,6 @@
 """The tasks of a worker other than the ladder and the import: export, report, viewer, examples, revealing."""
 
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -11,6 +12,7 @@ from daq.session import Session
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
+from identify.formatting import SPACE, quantity
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations import examples
 from station.operations.exporting import facts_of
@@ -18,7 +20,9 @@ from station.operations.identifying import identify_session, kept_options, write
 from station.operations.mystery import hidden_words, what_was_hidden
 from station.report.write import write_report
 from station.results.ladder import read_ladder
+from station.results.models import ModelFile
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 from station.story.preparation import weighing_of
 from station.text.numbers import with_names
 from station.views.viewer import unpack
@@ -32,14 +36,21 @@ def export(settings: Settings, say: Say, folder: Path) -> str:
     say("writing the samples")
     opened = open_session(settings, folder)
     refinement = opened.refinement
-    exported = fitted_samples(refinement.session, refinement.prepared, opened.present_fit())
+    model, weighing = (
+        refinement.ladder.top.model,
+        weighing_of(refinement.session, settings, refinement.prepared.window.unit),
+    )
+    exported = fitted_samples(refinement.session, refinement.prepared, opened.present_fit(), model, weighing)
     return encode(exported, "csv").decode()
 
 
-def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Exported:
+def fitted_samples(
+    session: Session, prepared: PreparedDecay, fit: Fit, stated: ModelFile, weighing: Weighing
+) -> Exported:
     """Gather the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
 
-    The motion is on one clock (the lag corrected). Readings that did not count are not a number.
+    The motion is on one clock (the lag corrected). Readings that did not count are not a number. The facts have the values
+    of the model as they are `stated` everywhere, and the release's own: where it starts, and how its sensors are off.
     """
     window, motion = fit.windows[0], prepared.motion
     units = {
@@ -61,8 +72,14 @@ def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Expor
         np.ones(len(window), dtype=bool),
         rate_std=window.rate_std,
     )
-    facts = {"model": " + ".join(term.effect.name for term in fit.model.terms)}
-    facts |= {f"fitted {name}": f"{found.value:.9g} ± {found.std:.3g}" for name, found in fit.values.items()}
+    facts = {"model": " + ".join(stated.names)}
+    for entry in stated.effects:
+        known = weighing.weighed(entry.effect, entry.parameters)
+        facts |= {f"fitted {entry.effect}.{name}": quantity(value) for name, value in known.items()}
+    for name, own in fit.nuisances.items():
+        start = name in ("displacement", "velocity") or ".state" in name
+        facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))
+    facts = {name: text.replace(SPACE, " ") for name, text in facts.items()}
     return Exported(recording, facts_of(session) | facts)
 
 
