@@ -9,7 +9,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, LinearSegmentedColormap, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 NOISE = 2.0
@@ -64,7 +64,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
-        cmap=look.force, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
+        cmap=LinearSegmentedColormap.from_list("force", look.force), vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
         if abs(plane.significance[row, column]) > SURE:

@@ -54,6 +54,7 @@ def test_the_looks_of_the_page_are_the_colours_of_its_style_sheet(scheme, look):
         ("paper", look.paper),
         ("model", look.model),
         ("left", look.second),
+        *zip(("map-low", "map-middle", "map-high"), look.force, strict=True),
     ):
         assert [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)] == colours[name]
 
