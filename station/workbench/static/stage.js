@@ -20,7 +20,7 @@
     if (another) { S.present = news.present; S.film = S.selected = S.best = null; }  // what is looked at stays while further pictures come
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
-    if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
+    if (S.stage && first()) S.reach = reachOf(first());  // colours are those of the first model, whatever is shown
     bench.draw();
     setTimeout(say, 300);  // cards and buttons may come a moment after what is said of them
   };
@@ -35,9 +35,12 @@
     bench.draw();
   };
 
-  function size(values, share = 1) {
-    const sizes = values.filter((v) => v !== null).map(Math.abs).sort((a, b) => a - b);
-    return sizes.length ? sizes[Math.floor(share * (sizes.length - 1))] || 1e-12 : 1;
+  const size = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-12);
+  // The force at the end of the colours: 98 % of the cells are below it, each counted as sure as it is known.
+  function reachOf(frame) {
+    const known = frame.cycle.map((force, i) => [force, frame.cycle_std[i] ** -2]).filter(([force]) => force !== null).map(([force, sure]) => [Math.abs(force), sure]);
+    let left = 0.98 * known.reduce((sum, [, sure]) => sum + sure, 0);
+    return (known.sort((a, b) => a[0] - b[0]).find(([, sure]) => (left -= sure) <= 0) || [1])[0] || 1e-12;
   }
   function worst() {  // the channel in which the first model fails most
     const frame = first(), of = (k) => { const left = frame.left[k].filter((x) => x !== null); return left.reduce((sum, x) => sum + x * x, 0) / (left.length * frame.noise[k] ** 2 || 1); };
