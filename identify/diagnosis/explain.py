@@ -149,9 +149,14 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
-    motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
+    channels = ("motion", *baseline.fit.windows[0].channels[1:])
+    misfits = [
+        [motion_percent(found, n) for found in (baseline.fit, settled.fit)] for n in range(len(channels))
+    ]
+    place = min(range(len(channels)), key=lambda n: misfits[n][1] / misfits[n][0])
+    motion = [three_figures(misfit) for misfit in misfits[place]]
     return (
-        f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
+        f"{what} the misfit from {motion[0]} to {motion[1]} % of the {channels[place]}, the reduced chi-square from {before} to "
         f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
@@ -204,7 +209,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return _beside_the_floor(baseline, top, tied)
     if tied:
         return f"{_listed(tied)} would reach the floor too, with less evidence."
-    best = min(tried, key=lambda s: s.error_after, default=None)
+    best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
