@@ -62,9 +62,10 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     drawn, (wide, at_reversal, at_middle) = figure(look, 4.6, "aa;bc")
     force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
+    colours = LinearSegmentedColormap.from_list("force", look.force)
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
-        cmap=LinearSegmentedColormap.from_list("force", look.force), vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
+        cmap=colours, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
         if abs(plane.significance[row, column]) > SURE:
