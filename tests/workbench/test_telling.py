@@ -73,5 +73,5 @@ def test_a_record_without_analysis_is_shown_and_a_strangers_name_stays_text(fold
 
 def test_an_identification_is_told_with_both_methods_side_by_side(folder):
     told = told_by(telling.identified, folder, ())
-    assert [part.kind for part in told.brief] == ["facts", "table", "facts", "table"]
+    assert [part.kind for part in told.brief] == ["facts", "table", "facts"]
     assert told.headline.startswith(folder.name)
