@@ -149,14 +149,12 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
-    channels = ("motion", *baseline.fit.windows[0].channels[1:])
-    misfits = [
-        [motion_percent(found, n) for found in (baseline.fit, settled.fit)] for n in range(len(channels))
-    ]
-    place = min(range(len(channels)), key=lambda n: misfits[n][1] / misfits[n][0])
-    motion = [three_figures(misfit) for misfit in misfits[place]]
+    channels, fits = ("motion", *baseline.fit.windows[0].channels[1:]), (baseline.fit, settled.fit)
+    misfits = {c: [motion_percent(found, n) for found in fits] for n, c in enumerate(channels)}
+    where = min(misfits, key=lambda c: misfits[c][1] / misfits[c][0])
+    first, last = map(three_figures, misfits[where])
     return (
-        f"{what} the misfit from {motion[0]} to {motion[1]} % of the {channels[place]}, the reduced chi-square from {before} to "
+        f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
         f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
