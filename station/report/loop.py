@@ -77,7 +77,7 @@ def ladder(found: Findings) -> list[Part]:
     """Show the residual from the first model to the current one, and the noise; nothing without a ladder."""
     if found.ladder is None:
         return []
-    words = ladder_text.told(found.ladder)
+    words = ladder_text.told(found.ladder, found.weighing)
     why = [Paragraph(words.headline)] if found.ladder.stopped_because else []
     return [*why, *words.brief, *words.more]
 

@@ -85,7 +85,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     _section(at_reversal, up, factor, units, "^-", look, "moving to the positive side")
     _section(at_reversal, down, factor, units, "v--", look, "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
-    at_reversal.legend(loc="best")
+    drawn.legend(*at_reversal.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     _section(at_middle, plane.section_at_middle, 1.0, units, "o-", look)
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
@@ -122,5 +122,5 @@ def cycles(found: Comparison, look: Look = PAPER) -> Picture:
         points(axis, done.time, values, std, form, look.model)
         axis.axhline(0 if std is not None else 1, color=look.faint, lw=0.8, ls="--")
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
-    axes[-1].set_ylim(bottom=0)
+    axes[-1].set_ylim(0, 1.1 * max(1.0, float(np.nanmax(found.free_run_misfit, initial=1.0))))
     return drawn
