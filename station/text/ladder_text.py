@@ -9,7 +9,7 @@ from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import change, with_unit
+from station.text.numbers import change, typeset, with_unit
 
 MOST_CHANGED, FEW_CHANGED = 3, 2
 NOTICED = 2.0
@@ -73,13 +73,13 @@ def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing) ->
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         if old is None:
-            found.append((math.inf, f"{name} = {weighed[name]}, new"))
+            found.append((math.inf, f"{typeset(name)} = {weighed[name]}, new"))
             continue
         std = max(old.std or 0.0, value.std or 0.0)
         errors = abs(value.value - old.value) / std if std > 0 else 0.0
         if errors > NOTICED:
             by = ", ".join(filter(None, (change(old.value, value.value), f"{errors:.0f} std. errors")))
-            found.append((errors, f"{name} = {weighed[name]} ({by})"))
+            found.append((errors, f"{typeset(name)} = {weighed[name]} ({by})"))
     found.sort(key=lambda entry: -entry[0])
     new = sum(1 for weight, _ in found if math.isinf(weight))
     return [text for _, text in found[: new + MOST_CHANGED]]
