@@ -26,8 +26,8 @@ def told(compared: Compared) -> Told:
         ("model", " + ".join(plain_name(name) for name in fit.model.names)),
         ("fit", "" if fit.converged and not fit.unidentifiable else fit.outcome),
         ("noise alone", noise),
-        ("cause", found.cause),
-        *(places[:FEW_PLACES] or [("", found.summary)]),
+        ("cause", typeset(found.cause)),
+        *(places[:FEW_PLACES] or [("", typeset(found.summary))]),
     ]
     more = [
         ("", compared.remark),

@@ -46,14 +46,15 @@ def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: boo
         brief.append(residuals(document, MOST_SUSPECTS if full else few, full=full))
     first, stop, _ = typeset(document.explanation).partition(". ")
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
-    record = [] if named else [("record next", document.next_experiment)]
+    following = [("record next", typeset(document.next_experiment))]
+    record = [] if named else following
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
-    rest = [("record next", document.next_experiment)] if named else []
+    rest = following if named else []
     more += facts((*_facts(document), *sensor[1:], *mend, *rest))
     return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
 

@@ -138,7 +138,7 @@ def complete(
     if not compared:
         with contextlib.suppress(Problem, NotIdentifiable):
             found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
-            words = found.comparison.summary
+            words = typeset(found.comparison.summary)
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))
     for drawn in () if document is None else _suspects(opened, document):
