@@ -26,6 +26,9 @@ RINGS, SECTORS = 10, 32
 FEWEST = 4
 """Samples in a cell, on the average, below which the cells are made larger."""
 
+ALONE = 0.4
+"""Share of rings and sectors for one channel, which hardly tells the forces of neighbouring cells apart."""
+
 UNKNOWN = 8.0
 """Times the median standard error above which nothing is known of a cell."""
 
@@ -69,6 +72,7 @@ def ground_of(prepared: PreparedDecay, fit: Fit) -> Ground:
     u, w = motion.displacement, motion.velocity / frequency
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
+    coarse = coarse if window.paired else min(coarse, ALONE)
     rings, sectors = (
         max(4, round(RINGS * coarse)),
         4 * max(3, round(SECTORS * coarse / 4)),
