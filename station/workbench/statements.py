@@ -96,16 +96,15 @@ def with_effect(
 ) -> Drawing:
     """Say what the present model leaves with one more effect, in `words` what that explains, and `more`.
 
-    `whose` says of which releases, where these are not of the page's own alone.
+    `whose` says of which releases, where these are not the page's own alone: its ladder has no such step then.
     """
-    added = f"with {called}, {whose}" if whose else f"with {called}"
     return {
         "big": f"{three_figures(motion)} %",
-        "what": f"of the motion {added}: {times(chi2)} times the noise",
+        "what": f"of the motion{f', {whose}' if whose else f' with {called}'}: {times(chi2)} times the noise",
         "words": words,
         "more": f"It {words}. {more}" if words else more,
-        "short": f"{added}: {times(chi2)} × noise",
-        "times": f"{times(chi2)} ({whose})" if whose else times(chi2),
-        "share": share(chi2, ladder),
+        "short": f"{f'{called}, together' if whose else f'with {called}'}: {times(chi2)} × noise",
+        "times": "" if whose else times(chi2),
+        "share": 0.0 if whose else share(chi2, ladder),
         "floor": False,
     }
