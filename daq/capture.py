@@ -220,8 +220,8 @@ class _Capture:
     def _ask_again(self) -> None:
         """Ask for samples that the wire lost, and for those that the checksum needs beside them.
 
-        Ends when three rounds in a row bring nothing, or after `RESEND_FOR_S`. A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
-        further.
+        Ends when three rounds in a row bring nothing, or after `RESEND_FOR_S`. A board that no longer holds what the
+        checksum needs, or leaves three requests in a row unanswered, is asked no further.
         """
         assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
         unanswered, checkable, in_vain = 0, True, 0
@@ -249,9 +249,9 @@ class _Capture:
             before = assembly.samples.received
             refused = [hole for hole in lost if ask(hole) is False]
             checkable = not refused and all(ask(hole) is not False for hole in beside)
-            came = assembly.samples.received - before
-            self._resent += came
-            in_vain = 0 if came else in_vain + 1
+            brought = assembly.samples.received - before
+            self._resent += brought
+            in_vain = 0 if brought else in_vain + 1
             if refused == lost and not checkable:
                 return
 

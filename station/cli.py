@@ -67,7 +67,10 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command of a line; one that is mistyped gets the nearest names."""
+        """Find the command of a line, which is kept as it was typed; one that is mistyped gets the nearest names."""
+        from station.output import TYPED
+
+        ctx.meta[TYPED] = list(args)
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
             from station.suggestions import did_you_mean
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 WIDTH = 80
+TYPED = "typed"
+"""Under which the context of a command keeps the words that were typed."""
+
 LONGEST = 300
 """Letters of a warning, or of a log entry, of a library: each becomes one harmless line, without paths and tracebacks."""
 

@@ -81,6 +81,7 @@ def command(
     from daq.importing.options import ImportOptions
     from daq.importing.recipe import read_recipe, to_toml
     from station.operations.new_session import session_info
+    from station.output import TYPED
     from station.results.import_command import explained
     from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
@@ -106,7 +107,7 @@ def command(
     except ImportProblem as refusal:
         if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
             click.echo(harmless(to_toml(proposed.recipe)))
-        raise explained(file, options, refusal) from refusal
+        raise explained(refusal, click.get_current_context().meta[TYPED]) from refusal
     step = ("identify", imported.sessions[0].folder) if imported.released else ()
     answer(as_json, _document(file, imported), _told(file, imported), *step)
 

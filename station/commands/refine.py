@@ -8,6 +8,7 @@ from station.commands.options import (
     EFFECTS,
     JSON,
     MODEL,
+    NO_VIEWER,
     SESSION,
     declared,
     known_effect,
@@ -19,7 +20,6 @@ from station.settings import Settings
 
 
 @declared("refine")
-@click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)
 def command(
     settings: Settings,
     session: str = SESSION,
@@ -36,6 +36,7 @@ def command(
     reset: bool = option("Begin the ladder again."),
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
+    no_viewer: bool = NO_VIEWER,
     as_json: bool = JSON,
 ) -> None:
     """Add an effect to the model of SESSION and watch the error fall.
@@ -74,3 +75,8 @@ def command(
     weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
     document = ladder_document(opened, ladder)
     answer(as_json, document, told(ladder, weighing), *next_command(ladder, opened.folder), full=True)
+    if not no_viewer:
+        from station.operations import viewer_tabs
+
+        if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
+            progress("the viewer shows the ladder: one tab a step")

@@ -9,18 +9,20 @@ from station.settings import Settings
 def command(
     settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIEWER, as_json: bool = JSON
 ) -> None:
-    """Open SESSION in the viewer: capture, alignment, both methods, results.
+    """Open SESSION in the viewer: capture, alignment, both methods, results,
+    and the steps of its refinement.
 
     Identifies it first, and keeps the recording in the session's results.
     """
     from station.operations.identifying import identify_session, kept_options, write_view
+    from station.operations.viewer_tabs import kept_tabs
     from station.results.sessions import open_session
     from station.views import viewer
 
     opened = open_session(session, settings.sessions)
     opened.require_writable()
     result, _ = identify_session(opened, kept_options(opened, settings))
-    file = write_view(opened, result)
+    file = write_view(opened, result, kept_tabs(opened, settings))
     progress(f"recording: {file}")
     if not no_viewer and viewer.has_screen():
         viewer.start(str(file), "--port", "auto")

@@ -19,6 +19,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.diagnosing import keep
 from station.operations.new_session import metres
+from station.operations.provisional import Provisional
 from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
@@ -45,6 +46,9 @@ class Watcher(Protocol):
 
     def observer(self) -> CaptureObserver:
         """Return who watches the capture."""
+
+    def provisional(self, answer: str) -> None:
+        """A first answer while the decay is still running."""
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """A release was judged together with all before."""
@@ -76,13 +80,14 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
     while not told.over and not cancelled():
         assert told.experiment is not None
         watcher.asks(len(turns) + 1, told)
-        session = _record(test, told.experiment, len(turns) + 1, watcher)
+        session, answer = _record(test, told.experiment, len(turns) + 1, decays, before, watcher)
         began = time.monotonic()
         turn = {
             "session": session.folder.name,
             "asked": told.words,
             "amplitude": told.experiment.amplitude,
             "unit": "m",
+            "provisional": answer,
         }
         document = None
         verdict = session.verdict
@@ -129,13 +134,29 @@ def limits_of(text: str, unattended: bool = False) -> Limits:
     return Limits(lengths[0], lengths[1], ways=ways)
 
 
-def _record(test: GuidedTest, experiment: Experiment, number: int, watcher: Watcher) -> Session:
+def _record(
+    test: GuidedTest,
+    experiment: Experiment,
+    number: int,
+    decays: tuple[PreparedDecay, ...],
+    before: Diagnosis | None,
+    watcher: Watcher,
+) -> tuple[Session, str]:
     wanted = replace(
         test.capture,
         duration_s=test.capture.duration_s * experiment.longer,
         release_from=experiment.amplitude if test.alone else None,
     )
-    return capture(test.port, wanted, test.folder / f"release_{number}", watcher.observer())
+    hypotheses = () if before is None else before.hypotheses
+    provisional = Provisional(
+        decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional, watcher.observer()
+    )
+    folder = test.folder / f"release_{number}"
+    try:
+        session = capture(test.port, wanted, folder, provisional)
+    finally:
+        provisional.close()
+    return session, provisional.answer
 
 
 def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:

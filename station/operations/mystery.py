@@ -72,9 +72,15 @@ def play(
         "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
         "know which. It records one release to find out.",
     )
-    solved = solve(settings, chosen, speed, folder, no_viewer, console)
+    solved, url = solve(settings, chosen, speed, folder, no_viewer, console)
     _say(console, "4. WHAT WAS HIDDEN: it is read only now")
     answer(as_json, _document(solved), revealed(solved), "report", solved.session.folder)
+    if not no_viewer:
+        from station.operations.viewer_tabs import show_ladder as show
+
+        opened = open_refinement(solved.session, settings)
+        if show(opened, url):
+            progress("the viewer shows the ladder: one tab a step")
 
 
 def solve(
@@ -84,11 +90,11 @@ def solve(
     folder: Path | None,
     no_viewer: bool,
     console: Console,
-) -> Solved:
-    """Record the mystery of a seed and solve it, told on a console; return what came out."""
+) -> tuple[Solved, str | None]:
+    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, _, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
+    session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
     prepared = with_floor(session, prepare_session(session, settings))
     sessions = SessionSet((session,), (prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
@@ -109,7 +115,7 @@ def solve(
         show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
     else:
         _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
-    return Solved(seed, session, document, ladder, json.loads(envelope))
+    return Solved(seed, session, document, ladder, json.loads(envelope)), url
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:

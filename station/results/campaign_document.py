@@ -80,7 +80,7 @@ class ChartDocument(Limits):
 class Trend(Part):
     """A line by weighted least squares: `slope` with its standard error, and `p_value` of a slope of zero.
 
-    `left_out` sessions lay too far off it to be part of the others.
+    `left_out` sessions lay too far off the line to be part of it.
     """
 
     slope: float

@@ -14,8 +14,8 @@ NAME = "guide.json"
 class TurnDocument(Part):
     """One release: why it was asked for, what it gave.
 
-    `amplitude` (signed, in `unit`) as asked for; `hypotheses` have their odds after it; `judged_s` is how long after its end
-    the verdict came.
+    `amplitude` (signed, in `unit`) as asked for; `provisional` is the answer while the decay was still running, "" where
+    there was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
     `between` are the two hypotheses that it was to distinguish, none where it was to show what can hide; of `expected_nats`
     it gave `gave_nats`.
     `problem` says why a release told nothing.
@@ -27,6 +27,7 @@ class TurnDocument(Part):
     unit: str
     verdict: str = ""
     named: list[str] = Field(default_factory=list)
+    provisional: str = ""
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: dict[str, Any] | None = None
     judged_s: Number = None

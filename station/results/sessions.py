@@ -82,7 +82,7 @@ def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session
     try:
         imported = import_file(file, None, sessions, ImportOptions(), info)
     except ImportProblem as error:
-        raise explained(file, ImportOptions(), error) from error
+        raise explained(error, ("import", file)) from error
     for note in imported.notes:
         progress(f"{file.name}: {note}")
     first, *others = imported.sessions

@@ -51,6 +51,10 @@ class GuideScreen:
         """Return the observer that prints the levels of a capture."""
         return Watch()
 
+    def provisional(self, answer: str) -> None:
+        """Print a first answer while the decay is still running."""
+        self._console.print(labelled("so far", f"{answer} (the decay is still running)"))
+
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """Print the verdict and the odds."""
         self._console.print()

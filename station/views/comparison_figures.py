@@ -18,7 +18,7 @@ COARSE = 5000.0
 TOO_MANY_DOTS = 60
 
 
-def residual(axis: Axes, fit: Fit, channel: str) -> None:
+def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     window = fit.windows[0]
     left = np.where(window.used[channel], fit.residual(channel), np.nan)
@@ -26,30 +26,30 @@ def residual(axis: Axes, fit: Fit, channel: str) -> None:
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
         fine, name = scale(channel, window.unit)
     noise = NOISE * fit.noise(channel) * fine
-    axis.axhspan(-noise, noise, color=PAPER.noise, lw=0)
+    axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
-        axis.axhline(level, color=PAPER.faint, lw=0.5, ls=":")
-    axis.plot(window.clock, left * fine, color=PAPER.residual, lw=0.7)
+        axis.axhline(level, color=look.faint, lw=0.5, ls=":")
+    axis.plot(window.clock, left * fine, color=look.residual, lw=0.7)
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 
-def front(fits: Sequence[tuple[str, Fit]]) -> Picture:
+def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
     """Draw a channel as measured and by the last of some models, and under it the residual of each, under its name."""
     last = fits[-1][1]
     window = last.windows[0]
     channel = window.channels[0]
     ratios = [1.6] + [1.0] * len(fits)
-    drawn, axes = figure(PAPER, 1.7 + 0.95 * len(fits), 1 + len(fits), sharex=True, height_ratios=ratios)
+    drawn, axes = figure(look, 1.7 + 0.95 * len(fits), 1 + len(fits), sharex=True, height_ratios=ratios)
     factor, name = scale(channel, window.unit)
     measured = np.where(window.used[channel], window.readings[channel], np.nan) * factor
     model, top = last.predicted[0][channel] * factor, axes[0]
-    top.plot(window.clock, measured, label="measured", color=PAPER.broad, lw=2.4, solid_capstyle="round")
-    top.plot(window.clock, model, label="model", color=PAPER.model, lw=0.8)
+    top.plot(window.clock, measured, label="measured", color=look.broad, lw=2.4, solid_capstyle="round")
+    top.plot(window.clock, model, label="model", color=look.model, lw=0.8)
     top.set_ylabel(literal(f"{channel}\n[{name}]"))
     top.legend(loc="upper right", ncols=2)
     top.margins(y=0.16)
     for axis, (words, fit) in zip(axes[1:], fits, strict=True):
-        residual(axis, fit, channel)
+        residual(axis, fit, channel, look)
         axis.set_title(literal(words), fontsize=8)
     axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
     return drawn

@@ -55,27 +55,27 @@ def shape(curve: CurveDocument, unit: str) -> Picture:
     position, force, std = (
         np.array(one, dtype=float) for one in (curve.position, curve.force_per_mass, curve.std)
     )
-    drawn, axis = _along(position, force, std, curve.unit)
+    drawn, axis = _along(position, force, std, curve.unit, PAPER)
     axis.set_xlabel(literal(f"{curve.coordinate} {axis.get_xlabel()}"))
     axis.set_ylabel(f"missing {per_mass(unit)}\n(band: 2 std. errors)")
     return drawn
 
 
-def measured_curve(curve: MeasuredCurve) -> Picture:
+def measured_curve(curve: MeasuredCurve, look: Look = PAPER) -> Picture:
     """Draw a measured curve of a model, with two standard errors."""
-    drawn, axis = _along(curve.position, curve.value, curve.std, curve.unit)
+    drawn, axis = _along(curve.position, curve.value, curve.std, curve.unit, look)
     axis.set_xlabel(literal(f"{curve.over} {axis.get_xlabel()}"))
     axis.set_ylabel(literal(f"measured curve, per unit mass\n[{curve.value_unit}] (band: 2 std. errors)"))
     return drawn
 
 
-def _along(position: Array, value: Array, std: Array, unit: str) -> tuple[Picture, Axes]:
+def _along(position: Array, value: Array, std: Array, unit: str, look: Look) -> tuple[Picture, Axes]:
     """Draw a curve with two standard errors over a position, whose unit is the axis' label."""
-    drawn, (axis,) = figure(PAPER, 2.4, width=4.2)
+    drawn, (axis,) = figure(look, 2.4, width=4.2)
     factor, name = scale_as_recorded("displacement" if unit == "m" else "", unit)
-    axis.fill_between(position * factor, value - 2 * std, value + 2 * std, color=PAPER.noise, lw=0)
-    axis.plot(position * factor, value, color=PAPER.second, lw=1.5)
-    axis.axhline(0, color=PAPER.faint, lw=0.7)
+    axis.fill_between(position * factor, value - 2 * std, value + 2 * std, color=look.noise, lw=0)
+    axis.plot(position * factor, value, color=look.second, lw=1.5)
+    axis.axhline(0, color=look.faint, lw=0.7)
     axis.set_xlabel(f"[{name}]")
     return drawn, axis
 

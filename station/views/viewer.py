@@ -1,6 +1,5 @@
-"""The viewer itself: opened on a file, or its files unpacked for a browser."""
+"""The viewer itself: opened on a file, found where one is open already, or its files unpacked for a browser."""
 
-import contextlib
 import os
 import re
 import socket
@@ -10,10 +9,13 @@ import time
 import urllib.request
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from station.exits import Problem
 
 HOST = "127.0.0.1"
+PORT = 9876
+VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
 
@@ -66,15 +68,39 @@ def free_port() -> int:
         return int(one.getsockname()[1])
 
 
+def answers(host: str, port: int) -> bool:
+    """Tell whether somebody listens there."""
+    try:
+        socket.create_connection((host, port), timeout=PATIENCE_S).close()
+    except OSError:
+        return False
+    return True
+
+
 def wait_for(port: int) -> bool:
     """Wait until a viewer that was started listens, at most `START_S` seconds; return whether it does."""
     end = time.monotonic() + START_S
-    while time.monotonic() < end:
-        with contextlib.suppress(OSError):
-            socket.create_connection((HOST, port), timeout=PATIENCE_S).close()
-            return True
+    while not answers(HOST, port):
+        if time.monotonic() > end:
+            return False
         time.sleep(0.1)
-    return False
+    return True
+
+
+def open_url() -> str | None:
+    """Find where a viewer listens: as the environment says (STATION_VIEWER), or Rerun's own port; None if none does."""
+    url = os.environ.get(VARIABLE) or f"rerun+http://{HOST}:{PORT}/proxy"
+    parts = urlsplit(url)
+    return url if parts.hostname and parts.port and answers(parts.hostname, parts.port) else None
+
+
+def url_or_new() -> str | None:
+    """Find where a viewer listens, after starting one if a window can be opened; None where there is no screen."""
+    found = open_url()
+    if found is not None or not has_screen():
+        return found
+    start("--port", str(PORT), "--hide-welcome-screen")
+    return open_url() if wait_for(PORT) else None
 
 
 def unpack(folder: Path) -> None:

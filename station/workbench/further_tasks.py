@@ -18,6 +18,7 @@ from station.operations import examples
 from station.operations.exporting import facts_of
 from station.operations.identifying import identify_session, kept_options, write_view
 from station.operations.mystery import hidden_words, what_was_hidden
+from station.operations.viewer_tabs import kept_tabs
 from station.report.write import write_report
 from station.results.ladder import read_ladder
 from station.results.models import ModelFile
@@ -107,7 +108,7 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     session = Session.open(folder)
     result, _ = identify_session(session, kept_options(session, settings), say)
     say("writing the recording")
-    file = write_view(session, result, dark=dark)
+    file = write_view(session, result, kept_tabs(session, settings), dark=dark)
     if not (temporary / "index.html").is_file():
         unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one

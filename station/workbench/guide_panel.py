@@ -80,6 +80,10 @@ class GuideRun(CaptureObserver):
         if self._ended:
             raise KeyboardInterrupt("cancelled on the workbench")
 
+    def provisional(self, answer: str) -> None:
+        """Note a first answer."""
+        self.now = replace(self.now, verdict=f"So far: {answer}")
+
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """Note the verdict, the odds, and what the release gave."""
         if document is None:

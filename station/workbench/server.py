@@ -16,7 +16,6 @@ from station.output import next_line, say_in_one_line
 from station.settings import Settings
 
 HOST = "127.0.0.1"
-STATIC = Path(__file__).parent / "static"
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -80,7 +80,7 @@ class ScriptedBoard:
         self.silent_from: int | None = None
         self.unplugged_at: int | None = None
         self.reboots_at: int | None = None
-        self.held = 8 * int(RATE)
+        self.held = samples.shape[1]
         self.dropped: set[int] = set()
         self.refuse: dict[type, Nack] = {}
         self.ignore: list[type] = []

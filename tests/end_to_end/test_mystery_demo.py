@@ -46,6 +46,7 @@ def folder(tmp_path_factory):
         patch.chdir(made)
         patch.delenv("DISPLAY", raising=False)
         patch.delenv("WAYLAND_DISPLAY", raising=False)
+        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
         yield made
 
 

@@ -59,7 +59,7 @@ def test_every_command_begins_with_the_orders_that_were_chosen(chosen, capsys):
     compared = said(capsys, "compare", "duffing", "--json")
     assert sorted(compared["model"]["effects"]) == sorted(CUBIC)
     assert "identified" in compared["model_is"]
-    found = gather(chosen, Settings(), None, diagnose=False, progress=silent)
+    found = gather(chosen, Settings(), silent)
     assert sorted(found.compared.baseline.fit.model.names) == sorted(CUBIC)
 
 

@@ -1,0 +1,131 @@
+"""The Ladder tab, read back: what it shows is what was found, and every step has a tab."""
+
+import shutil
+import socket
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import rerun as rr
+from hidden import DUFFING, TRUTH
+from rerun.chunk import RrdReader
+
+from daq.session import Session
+from station.operations import viewer_tabs
+from station.operations.refining import add, open_refinement
+from station.operations.session_set import open_sessions
+from station.settings import Settings
+from station.story.residual import times
+from station.views import viewer
+from station.views.palette import VIEWERS
+from station.views.viewer import executable
+
+
+@pytest.fixture(scope="module")
+def refinement(tmp_path_factory, diagnosed):
+    settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
+    session = Session.open(shutil.copytree(diagnosed, settings.sessions / DUFFING.stem))
+    begun = open_refinement(session, settings)
+    return replace(begun, ladder=add(begun, "cubic_stiffness"))
+
+
+@pytest.fixture(scope="module")
+def drawn(refinement):
+    written = refinement.session.folder.parent / "model.rrd"
+    stream = rr.RecordingStream("tabs", send_properties=False)
+    stream.save(written)
+    tab = viewer_tabs.ladder_tab(refinement)(stream, VIEWERS[True])
+    stream.flush()
+    stream.disconnect()
+    return written, tab
+
+
+@pytest.fixture(scope="module")
+def file(drawn):
+    return drawn[0]
+
+
+def chunks(file, path):
+    return [chunk.to_record_batch() for chunk in RrdReader(file).stream().filter(content=path)]
+
+
+def texts(file, path):
+    found = []
+    for batch in chunks(file, path):
+        for field in batch.schema.names:
+            if field.endswith("TextDocument:text"):
+                found += [row[0] for row in batch.column(field).to_pylist() if row]
+    return found
+
+
+def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(drawn, refinement):
+    file, tab = drawn
+    for place, step in enumerate(refinement.ladder.steps):
+        assert chunks(file, f"/ladder/{place}/motion")
+        assert times(step.error.chi2) in texts(file, f"/ladder/{place}/summary")[0]
+    timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
+    assert not timelines & {"time", "step"}
+    assert [one.name for one in tab.contents] == ["0: usual model", "1: + cubic_stiffness"]
+    assert tab.active_tab == 1
+
+
+def test_each_step_tells_what_it_added_and_why_the_climb_stopped(file):
+    (first,), (second,) = (texts(file, f"/ladder/{place}/summary") for place in (0, 1))
+    assert "usual model" in first
+    assert "cubic_stiffness" not in first
+    assert "+ cubic_stiffness" in second
+    assert "floor is reached" in second
+
+
+def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
+    from identify.diagnosis.force_map import force_added
+    from station.operations.refining import step_again
+
+    base, top = (step_again(refinement, step).fit for step in refinement.ladder.steps)
+    prepared = refinement.prepared
+    added = force_added(prepared, base, top, top.model.terms[-1])
+    u = prepared.motion.displacement
+    truth = TRUTH[DUFFING.name]["parameters"]["k3"] * u**3
+    used = np.abs(prepared.motion.velocity) > 0.05
+    line = np.column_stack([u, prepared.motion.velocity, np.sign(prepared.motion.velocity), np.ones_like(u)])
+    left = truth - line @ np.linalg.lstsq(line[used], truth[used], rcond=None)[0]
+    # The regression along noisy motion finds k3 to some per cent; the two fits weigh the samples a little differently.
+    assert np.abs((added - left)[used]).max() < 0.15 * np.abs(left[used]).max()
+
+
+def test_a_session_without_results_has_no_tabs(tmp_path):
+    settings = Settings(sessions=tmp_path)
+    bench = open_sessions((str(DUFFING),), settings)
+    assert viewer_tabs.kept_tabs(bench.sessions[0], settings) == ()
+
+
+def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch):
+    monkeypatch.setenv(viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not viewer_tabs.show_ladder(refinement)
+
+
+@pytest.mark.slow
+def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    server = subprocess.Popen(
+        [executable(), "--serve-grpc", "--port", str(port), "--bind", "127.0.0.1"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        monkeypatch.setenv(viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
+        assert any(viewer.open_url() or server.poll() or _wait() for _ in range(100))
+        assert viewer_tabs.show_ladder(refinement)
+    finally:
+        server.terminate()
+        server.wait(timeout=10)
+
+
+def _wait():
+    import time
+
+    time.sleep(0.1)
