@@ -78,12 +78,11 @@ def share_words(share: float) -> str:
 
 
 def quantity(found: Estimated) -> str:
-    """Write "13115.0 ± 2.1 N/m"; without an error where none is known."""
-    if found.value is not None and not found.std:
-        number = _power_of_ten(f"{found.value:.4g}")
-    else:
-        number = with_error(found.value, found.std)
-    return f"{number}{_after(found.unit)}"
+    """Write "13115.0 ± 2.1 N/m", or "0 N (error unknown)"; the value alone where it is exact."""
+    if found.value is not None and found.std == 0.0:
+        return f"{_power_of_ten(f'{found.value:.4g}')}{_after(found.unit)}"
+    number, *unknown = with_error(found.value, found.std).split(" (error")
+    return "".join((number, _after(found.unit), *(f" (error{words}" for words in unknown)))
 
 
 def quantities(found: Mapping[str, Estimated]) -> list[str]:

@@ -140,19 +140,21 @@ def _line_in_words(line: Suspect) -> str:
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
-    numbers = ", ".join(quantities(top.parameters))
+    what = f"{cause} {plain_name(top.effect.name)}{_where(top)}"
     if not top.strength_known:
-        numbers = "this record does not determine its strength"
-    what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
+        what += " (this record does not determine its strength)"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
     if together:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
-    motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
+    channels, fits = ("motion", *baseline.fit.windows[0].channels[1:]), (baseline.fit, settled.fit)
+    misfits = {c: [motion_percent(found, n) for found in fits] for n, c in enumerate(channels)}
+    where = min(misfits, key=lambda c: misfits[c][1] / misfits[c][0])
+    first, last = map(three_figures, misfits[where])
     return (
-        f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
+        f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
         f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
@@ -205,7 +207,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return _beside_the_floor(baseline, top, tied)
     if tied:
         return f"{_listed(tied)} would reach the floor too, with less evidence."
-    best = min(tried, key=lambda s: s.error_after, default=None)
+    best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."

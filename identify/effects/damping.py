@@ -43,7 +43,7 @@ POSITION_DEPENDENT_DAMPING = ForceEffect(
     name="position_dependent_damping",
     title="damping that grows away from the middle",
     equation="c12 u^2 v",
-    parameters=(Parameter("c12", "1/(m^2 s)", "damping per unit mass and squared displacement", 0.0),),
+    parameters=(Parameter("c12", "1/(m^2 s)", "damping per squared displacement, per unit mass", 0.0),),
     force=lambda t, u, v, z, p: p[0] * u * u * v,
     symptom="the decrement grows with the square of the amplitude, opposite third harmonic",
     confirming_test="the section of the restoring force at u = 0 stays straight",

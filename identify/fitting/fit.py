@@ -133,6 +133,14 @@ class Fit:
         window = self.windows[i]
         return np.where(window.used[channel], window.in_noise(channel, self.residual(channel, i)), 0.0)
 
+    def noise(self, channel: str, i: int = 0) -> float:
+        """Return the rms of one channel's noise in window i; of coloured noise as much as in this residual."""
+        window = self.windows[i]
+        if channel not in window.colour:
+            return float(window.sigma[channel])
+        left, in_noise = self.residual(channel, i)[window.used[channel]], self.in_noise(channel, i)
+        return float(np.sqrt(np.sum(left**2) / np.sum(in_noise**2)))
+
     @cached_property
     def problem(self) -> Problem:
         """The problem that was solved."""

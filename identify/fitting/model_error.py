@@ -46,11 +46,14 @@ def force_mse_percent(prepared: PreparedDecay, measured: Array, residual: Array)
     return float(100.0 * np.mean(residual[used] ** 2) / np.var(measured[used]))
 
 
-def motion_percent(fit: Fit) -> float:
-    """Return the free-run misfit of the displacement (or the first channel there is) in % of its rms, over all releases."""
+def motion_percent(fit: Fit, place: int = 0) -> float:
+    """Return the free-run misfit of the displacement (or the first channel there is) in % of its rms, over all releases.
+
+    Another `place` chooses another channel, of releases with so many.
+    """
     shares = []
     for i, window in enumerate(fit.windows):
-        channel = window.channels[0]
+        channel = window.channels[min(place, len(window.channels) - 1)]
         kept = window.used[channel]
         shares.append(np.mean(fit.residual(channel, i)[kept] ** 2) / np.var(window.readings[channel][kept]))
     return 100.0 * float(np.sqrt(np.mean(shares)))

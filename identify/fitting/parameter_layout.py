@@ -233,7 +233,7 @@ class ParameterLayout:
             places = [
                 self._add(
                     term.parameter(parameter.name).of_release(i, self._count),
-                    parameter.unit.replace("reading", reading),
+                    re.sub(r"\((\w+)\)", r"\1", parameter.unit.replace("reading", reading)),
                     size=_size_of(parameter),
                     low=parameter.low,
                     high=parameter.high,

@@ -56,7 +56,11 @@ class Hypothesis:
             return "a law without a name"
         if self.walk is not None:
             return "a random walk of spring and damper"
-        return among([plain_name(name) for name in self.names]) if self.names else "the usual model"
+        families = {family.effect.name for family in FAMILIES}
+        called = [
+            f"{plain_name(name)}{' with any exponent' if name in families else ''}" for name in self.names
+        ]
+        return among(called) if called else "the usual model"
 
     @property
     def has_law(self) -> bool:

@@ -69,7 +69,7 @@ def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, 
     return [
         ("made", document["created"]),
         ("state", ": ".join(filter(None, (document["state"], document["reason"])))),
-        ("source", document["source"]),
+        ("source", document["source_file"] or document["source"]),
         ("operator", document["operator"]),
         ("specimen", document["specimen"]),
         ("mass", "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"),

@@ -86,7 +86,7 @@ def facts_of(session: Session) -> dict[str, str]:
         "mass_kg": "" if info.mass_kg is None else repr(info.mass_kg),
         "mass_std_kg": "" if info.mass_std_kg is None else repr(info.mass_std_kg),
         "verdict": info.verdict,
-        "source": info.source,
+        "source": info.source_file or info.source,
         "board": "" if board is None else f"{board.board} {board.firmware} {board.unique_id}".strip(),
         **{f"condition {name}": repr(value) for name, value in info.conditions.items()},
         "written_by": "Free-Decay Station",

@@ -1,11 +1,13 @@
 """The section of the final equation: with letters, with numbers, and every parameter with its error and unit."""
 
 import re
+from collections.abc import Iterator, Sequence
 
 from identify.fitting.fit import Fit
 from identify.formatting import SPACE, with_error
 from station.report.findings import Findings
 from station.story.compared import Compared
+from station.story.engineering_values import Weighing
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table
@@ -29,17 +31,21 @@ def equation(found: Findings) -> list[Part]:
         return []
     judged = compared.judged
     fit = judged.stated(judged.fit)
-    right = "0" if fit.windows[0].force is None else "f(t)/m"
-    letters = _typeset_equation(f"{fit.model.equation.removesuffix(' = 0')} = {right}")
+    weighing = found.weighing
+    right = "0" if fit.windows[0].force is None else "f(t)" if weighing.mass else "f(t)/m"
+    terms = weighing.terms(term.effect for term in fit.model.terms)
+    lines = [
+        _typeset_equation(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(terms, fit, weighing))
+    ]
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
-        Equation((letters, _numbers(fit, right))),
+        Equation(tuple(lines)),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
-            f"{compared.comparison.unit} and {compared.comparison.unit}/s; all "
-            f"{per_mass(compared.comparison.unit, 'forces per unit mass')}."
+            f"{compared.comparison.unit} and {compared.comparison.unit}/s"
+            f"{weighing.words and f'; all {weighing.words}'}."
         ),
-        _parameters(fit),
+        _parameters(fit, weighing),
     ]
     expressions = () if found.ladder is None else found.ladder.top.model.expressions
     for curve in measured_curves(fit, expressions):
@@ -63,18 +69,17 @@ def caution(compared: Compared) -> str:
     )
 
 
-def _numbers(fit: Fit, right: str) -> str:
-    """Return the equation with the values in place of the parameters, rounded to their errors."""
-    terms = []
-    for term in fit.model.forces:
-        text = term.effect.equation
-        for name, value in fit.of(term, 0).items():
+def _numbers(terms: Sequence[str], fit: Fit, weighing: Weighing) -> Iterator[str]:
+    """Write terms with the values in place of the mass and the parameters, rounded to their errors."""
+    inertia, *forces = terms
+    yield inertia if weighing.mass is None else f"{weighing.mass:g} u''"
+    for text, term in zip(forces, fit.model.forces, strict=True):
+        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
             number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
             number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
-        terms.append(text)
-    return _typeset_equation(f"u'' + {' + '.join(terms)} = {right}")
+        yield text
 
 
 def _typeset_equation(text: str) -> str:
@@ -82,14 +87,16 @@ def _typeset_equation(text: str) -> str:
     return raised.replace("u''", "ü", 1).replace("+ -", "− ")
 
 
-def _parameters(fit: Fit) -> Table:
+def _parameters(fit: Fit, weighing: Weighing) -> Table:
     rows = []
     for term in fit.model.terms:
         meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
-        for name, value in fit.of(term, 0).items():
+        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
             unit = typeset_unit(value.unit) or "1"
             number = with_error(value.value, value.std)
             meaning = per_mass(fit.windows[0].unit, meanings[name])
+            if weighing.mass is not None:
+                meaning = re.sub(r",? per unit (mass|inertia)", "", meaning)
             rows.append((term.effect.name, typeset(name), meaning, number, unit))
     head = ("effect", "parameter", "meaning", "value", "unit")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)

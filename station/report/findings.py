@@ -18,24 +18,28 @@ from station.operations.session_curves import kept_curves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.ladder import LADDER, KeptLadder
+from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.compared import Compared
+from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.story.pipeline import Progress, compare, silent
-from station.story.preparation import Options
+from station.story.preparation import Options, length_unit
 
 
 @dataclass(eq=False)
 class Findings:
     """All that is known of a session; what is None was left out, and `left_out` says why under its name.
 
-    `compared` is the current model with the record, `first` the model that its `ladder` began with, where that is another.
+    `doubt` says how the session's files are not as they were written, "" where they are. `compared` is the current model
+    with the record, `first` the model that its `ladder` began with, where that is another.
     """
 
     session: Session
     recording: Recording
     options: Options
     manifest: Manifest | None = None
+    doubt: str = ""
     identification: Identification | None = None
     compared: Compared | None = None
     first: Compared | None = None
@@ -44,6 +48,11 @@ class Findings:
     curves: NamedCurves | None = None
     ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def weighing(self) -> Weighing:
+        """What puts the mass into forces and strengths."""
+        return Weighing(self.options.mass, self.options.mass_std, length_unit(self.recording))
 
 
 def gather(session: Session, settings: Settings, progress: Progress) -> Findings:
@@ -63,6 +72,7 @@ def gather(session: Session, settings: Settings, progress: Progress) -> Findings
     _take_model(found, settings)
     with _or_say_why(found, "checksums", StationError):
         found.manifest = session.manifest()  # last, as it knows the results that were just written
+    found.doubt = doubt(session.folder)
     return found
 
 

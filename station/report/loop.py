@@ -41,13 +41,14 @@ def suspects(found: Findings) -> list[Part]:
     document = found.diagnosis
     if document is None:
         return []
-    words = diagnosis_text.told(document, full=True)
+    words = diagnosis_text.told(document, found.weighing, full=True)
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=words.headline, strong=True)]
     if found.compared is not None and not document.is_of(found.compared.baseline.fit.model.names):
         parts.insert(0, Paragraph(f"This is the diagnosis of {document.model_is}, not of the current one."))
     parts += words.brief
     meant = tuple(
-        (s.effect, s.title, diagnosis_text.parameters(s)) for s in diagnosis_text.shown_suspects(document)
+        (s.effect, s.title, diagnosis_text.parameters(s, found.weighing))
+        for s in diagnosis_text.shown_suspects(document)
     )
     if meant:
         parts.append(Table("", ("effect", "what it is", "values"), meant, texts=3))
@@ -76,7 +77,7 @@ def ladder(found: Findings) -> list[Part]:
     """Show the residual from the first model to the current one, and the noise; nothing without a ladder."""
     if found.ladder is None:
         return []
-    words = ladder_text.told(found.ladder)
+    words = ladder_text.told(found.ladder, found.weighing)
     why = [Paragraph(words.headline)] if found.ladder.stopped_because else []
     return [*why, *words.brief, *words.more]
 

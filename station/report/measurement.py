@@ -99,8 +99,9 @@ def _ended(reason: str) -> str:
 
 def _verdict(found: Findings) -> Paragraph:
     verdict = found.session.verdict if found.manifest is not None else None
-    if verdict is None:
-        return Paragraph("none; the session is not sealed", label="Verdict on the recording", strong=True)
+    if verdict is None or found.doubt:
+        why = found.doubt or "the session is not sealed"
+        return Paragraph(f"none; {why}", label="Verdict on the recording", strong=True)
     reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
@@ -167,5 +168,6 @@ def provenance(found: Findings) -> list[Part]:
         parts.append(
             Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
         )
-        parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
+        as_it_came = "raw.log holds every byte as it came; all results can be made again from it."
+        parts.append(Paragraph(found.doubt or as_it_came))
     return parts

@@ -61,14 +61,21 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     if not known:
         return _import_on_the_way(path, sessions, info or SessionInfo())
     session = Session.open(known[0])
-    found = verify(session.folder)
-    if not found.ok:
-        wrong, look = "is not sealed: it is still being recorded, or was cut off", "recover"
-        if (session.folder / MANIFEST).exists():
-            wrong, look = f"does not agree with its manifest ({found.problems[0]})", "verify"
-            wrong += ", so what follows may be wrong"
-        progress(f"warning: {session.folder.name} {wrong}; see `{command_line(look, session.folder)}`")
+    if words := doubt(session.folder):
+        progress(f"warning: {words}")
     return session
+
+
+def doubt(folder: Path) -> str:
+    """Say how the files of a session are not as they were written, and which command tells more; "" where they are."""
+    found = verify(folder)
+    if found.ok:
+        return ""
+    wrong, look = "is not sealed: it is still being recorded, or was cut off", "recover"
+    if (folder / MANIFEST).exists():
+        wrong, look = f"does not agree with its manifest ({found.problems[0]})", "verify"
+        wrong += ", so what follows may be wrong"
+    return f"{folder.name} {wrong}; see `{command_line(look, folder)}`"
 
 
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:

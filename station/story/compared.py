@@ -66,9 +66,5 @@ def motion_floor(fit: Fit) -> float:
     shares = []
     for i, window in enumerate(fit.windows):
         channel = window.channels[0]
-        used, power = window.used[channel], window.sigma[channel] ** 2
-        if channel in window.colour:
-            left, in_noise = fit.residual(channel, i)[used], fit.in_noise(channel, i)[used]
-            power = float(np.sum(left**2) / np.sum(in_noise**2))
-        shares.append(power / np.var(window.readings[channel][used]))
+        shares.append(fit.noise(channel, i) ** 2 / np.var(window.readings[channel][window.used[channel]]))
     return 100.0 * float(np.sqrt(np.mean(shares)))

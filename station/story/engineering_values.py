@@ -1,10 +1,11 @@
 """The values that a test report quotes: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
@@ -54,11 +55,12 @@ def times_mass(
 ) -> Estimate | None:
     """Return a strength per unit mass times the mass in kg (kg m^2 where the displacement's `unit` is rad).
 
-    The error of the mass joins that of the value. None where the product has no unit of its own.
+    The error of the mass joins that of the value. None for a pure number, which is a share of the mass.
     """
-    spelled = (_TIMES_INERTIA if unit == "rad" else _TIMES_MASS).get(value.unit)
-    if spelled is None:
+    known, kg = (_TIMES_INERTIA, "kg m^2") if unit == "rad" else (_TIMES_MASS, "kg")
+    if value.unit in ("", "1"):
         return None
+    spelled = known.get(value.unit) or f"{kg} {value.unit}".replace(" 1/", "/")
     return Estimate(
         value.value * mass, math.hypot(value.std * mass, value.value * (mass_std or 0.0)), spelled
     )
@@ -66,24 +68,46 @@ def times_mass(
 
 @dataclass(frozen=True)
 class Weighing:
-    """The mass in kg (kg m^2 for a displacement in rad), where it is known; it turns strengths into N, kg and s."""
+    """The mass in kg (kg m^2 for a displacement in rad), where it is known: forces and strengths are in N, kg and s then."""
 
     mass: float | None = None
     mass_std: float | None = None
     unit: str = "m"
 
-    def strength(self, effect: str, parameters: Mapping[str, Any]) -> tuple[str, Estimate] | None:
-        """Find a force's strength, its first parameter, with the mass in it; None for what is no force of the library.
+    @property
+    def words(self) -> str:
+        """What forces and strengths are where no mass is known; "" where it is."""
+        per = "inertia" if self.unit == "rad" else "mass"
+        return "" if self.mass is not None else f"per unit {per}: the {per} is not given"
+
+    def weighed(self, effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the parameters of an effect with the mass in its strength, the first of them, if it is a force.
 
         What changes a parameter of another effect is relative to that, and has no mass in it.
         """
         name, found = next(iter(parameters.items()), ("", None))
-        known = any(isinstance(e, ForceEffect) and e.name == effect and not e.relative for e in LIBRARY)
-        if self.mass is None or not known or found is None or found.value is None:
-            return None
+        other = any(e.name == effect and not _has_mass(e) for e in LIBRARY)
+        if self.mass is None or other or found is None or found.value is None:
+            return dict(parameters)
         error = math.nan if found.std is None else found.std
         whole = times_mass(Estimate(found.value, error, found.unit), self.mass, self.mass_std, self.unit)
-        return None if whole is None else (name, whole)
+        return dict(parameters) | ({} if whole is None else {name: whole})
+
+    def terms(self, effects: Iterable[Effect]) -> list[str]:
+        """Write the terms of an equation of motion, the inertia first: forces where the mass is known."""
+        forces = [effect for effect in effects if isinstance(effect, ForceEffect)]
+        if self.mass is None:
+            return ["u''", *(effect.equation for effect in forces)]
+        m = "J" if self.unit == "rad" else "m"
+        pure = [_has_mass(effect) and effect.strength.unit in ("", "1") for effect in forces]
+        terms = (
+            f"{m} ({e.equation})" if share else e.equation for e, share in zip(forces, pure, strict=True)
+        )
+        return [f"{m} u''", *terms]
+
+
+def _has_mass(effect: Effect) -> bool:
+    return isinstance(effect, ForceEffect) and not effect.relative
 
 
 UNKNOWN = Weighing()

@@ -26,8 +26,8 @@ def told(compared: Compared) -> Told:
         ("model", " + ".join(plain_name(name) for name in fit.model.names)),
         ("fit", "" if fit.converged and not fit.unidentifiable else fit.outcome),
         ("noise alone", noise),
-        ("cause", found.cause),
-        *(places[:FEW_PLACES] or [("", found.summary)]),
+        ("cause", typeset(found.cause)),
+        *(places[:FEW_PLACES] or [("", typeset(found.summary))]),
     ]
     more = [
         ("", compared.remark),
@@ -67,7 +67,7 @@ def floor_text(compared: Compared) -> str:
         share = 100.0 * noise.uncertainty / noise.std if noise.std > 0 else float("nan")
         unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
         parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
-    return typeset("; ".join(parts))
+    return typeset(f"used by the fit: {'; '.join(parts)}")
 
 
 def harmonics_text(compared: Compared) -> str:

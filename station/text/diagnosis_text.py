@@ -14,7 +14,7 @@ from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import scale, typeset, typeset_unit, with_names, with_unit
+from station.text.numbers import scale, typeset, typeset_unit, with_names
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
@@ -36,7 +36,7 @@ def tone_of(document: DiagnosisDocument) -> Tone:
 
 
 def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: bool = False) -> Told:
-    """Tell a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too.
+    """Tell a diagnosis; with a `weighing` the strengths of what is named are in N, kg and s.
 
     `full` puts all suspects into the table, with the reason for each.
     """
@@ -46,14 +46,15 @@ def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: boo
         brief.append(residuals(document, MOST_SUSPECTS if full else few, full=full))
     first, stop, _ = typeset(document.explanation).partition(". ")
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
-    record = [] if named else [("record next", document.next_experiment)]
+    following = [("record next", typeset(document.next_experiment))]
+    record = [] if named else following
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
-    rest = [("record next", document.next_experiment)] if named else []
+    rest = following if named else []
     more += facts((*_facts(document), *sensor[1:], *mend, *rest))
     return Told(headline(document), tone_of(document), tuple(brief), tuple(more))
 
@@ -145,22 +146,21 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
     return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
 
 
-def parameters(found: SuspectDocument | FindingDocument) -> str:
-    """Write the values of a suspect or of a sensor's fault, and the channel that it is in."""
-    known = not isinstance(found, SuspectDocument) or found.strength_known
-    values = with_names(found.parameters) if known else [STRENGTH_UNKNOWN]
+def parameters(found: SuspectDocument, weighing: Weighing = UNKNOWN) -> str:
+    """Write the values of a suspect, and of a sensor's fault the channel that it is in."""
+    values = [STRENGTH_UNKNOWN]
+    if found.strength_known:
+        values = with_names(weighing.weighed(found.effect, found.parameters))
     return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
 
 
 def _values(document: DiagnosisDocument, weighing: Weighing) -> str:
-    """Write the values of what is named; the strength in N, kg and s where the mass is known."""
+    """Write the values of what is named."""
     texts = []
     for suspect in document.suspects:
         if suspect.effect not in document.named:
             continue
-        text = parameters(suspect)
-        if suspect.strength_known and (whole := weighing.strength(suspect.effect, suspect.parameters)):
-            text += f" ({whole[0]} times the mass: {with_unit(whole[1])})"
+        text = parameters(suspect, weighing)
         texts.append(f"{plain_name(suspect.effect)}: {text}" if len(document.named) > 1 else text)
     return "; ".join(texts)
 

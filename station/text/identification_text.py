@@ -54,13 +54,13 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 
 
 def noise_of(result: Identification) -> list[tuple[str, str]]:
-    """List the channels with the rms of the noise of each."""
+    """List the channels with the rms of the noise of each, as the record alone shows it."""
     found = []
     for name in MOTION:
         noise = getattr(result.decay, f"noise_{name}")
         if noise is not None:
             factor, unit = noise_scale(name, result.decay.unit, noise)
-            found.append((name, f"{three_figures(noise * factor)} {typeset(unit)} rms"))
+            found.append((name, f"{three_figures(noise * factor)} {typeset(unit)} rms before any fit"))
     return found
 
 

@@ -9,7 +9,7 @@ from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import change, with_unit
+from station.text.numbers import change, typeset, with_unit
 
 MOST_CHANGED, FEW_CHANGED = 3, 2
 NOTICED = 2.0
@@ -18,7 +18,7 @@ NOTICED = 2.0
 def told(ladder: KeptLadder, weighing: Weighing = UNKNOWN) -> Told:
     """Tell a ladder up to the present step, and which steps are above it.
 
-    With a `weighing` the strengths that changed stand in N, kg and s beside those per unit mass.
+    With a `weighing` the strengths that changed are in N, kg and s.
     """
     changed: list[str] = []
     if ladder.present > 0:
@@ -65,29 +65,24 @@ def step_words(step: KeptStep) -> str:
 def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing) -> list[str]:
     """List the parameters that the step added, and those that it changed most, in standard errors of the fit before."""
     found = []
-    weighed = with_mass(after, weighing)
+    weighed = {
+        f"{entry.effect}.{name}": with_unit(value)
+        for entry in after.model.effects
+        for name, value in weighing.weighed(entry.effect, entry.parameters).items()
+    }
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
-        whole = f" (times the mass: {weighed[name]})" if name in weighed else ""
         if old is None:
-            found.append((math.inf, f"{name} = {with_unit(value)}{whole}, new"))
+            found.append((math.inf, f"{typeset(name)} = {weighed[name]}, new"))
             continue
         std = max(old.std or 0.0, value.std or 0.0)
         errors = abs(value.value - old.value) / std if std > 0 else 0.0
         if errors > NOTICED:
             by = ", ".join(filter(None, (change(old.value, value.value), f"{errors:.0f} std. errors")))
-            found.append((errors, f"{name} = {with_unit(value)}{whole} ({by})"))
+            found.append((errors, f"{typeset(name)} = {weighed[name]} ({by})"))
     found.sort(key=lambda entry: -entry[0])
     new = sum(1 for weight, _ in found if math.isinf(weight))
     return [text for _, text in found[: new + MOST_CHANGED]]
-
-
-def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
-    """Write the strengths of a step with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
-    found = {entry.effect: weighing.strength(entry.effect, entry.parameters) for entry in step.model.effects}
-    return {
-        f"{effect}.{whole[0]}": with_unit(whole[1]) for effect, whole in found.items() if whole is not None
-    }
 
 
 def next_command(ladder: KeptLadder, folder: Path) -> tuple[str | Path, ...]:

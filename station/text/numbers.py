@@ -17,7 +17,7 @@ def or_nan(value: float | None) -> float:
 
 
 def with_unit(found: Estimated) -> str:
-    """Write "13115.0 ± 2.1 N/m²"; without an error where none is known."""
+    """Write "13115.0 ± 2.1 N/m²", or "0 N (error unknown)"; the value alone where it is exact."""
     return typeset(quantity(found))
 
 

@@ -104,7 +104,11 @@ def told(tables: Tables) -> tuple[Table, ...]:
         for row in tables.table_1
     )  # fmt: skip
     head = ("release", "amplitude", *named)
-    first = Table("Table 1. Identified parameters (± one standard error)", head, rows)
+    first = Table(
+        "Table 1. Identified parameters (± one standard error) by wavelet (WT) and restoring force (RFS)",
+        head,
+        rows,
+    )
     if len(rows) < 2:
         return (first,)
     means = tuple(
@@ -129,9 +133,8 @@ def _cell(cell: Row | None) -> str:
     return with_error(value, std) if std is None or math.isfinite(std) else f"{value:.4g} (one)"
 
 
-def as_text(tables: Tables) -> str:
-    """Write both tables as text within 80 columns: Table 1 in pieces of one parameter each."""
-    out = io.StringIO()
+def in_pieces(tables: Tables) -> list[Table]:
+    """Make both tables for a narrow place: Table 1 in pieces of one parameter each."""
     first, *second = told(tables)
     pieces = [
         replace(
@@ -142,8 +145,14 @@ def as_text(tables: Tables) -> str:
         )
         for place in range(2, len(first.head), 2)
     ]
+    return [*pieces, *second]
+
+
+def as_text(tables: Tables) -> str:
+    """Write both tables as text within 80 columns."""
+    out = io.StringIO()
     console = Console(file=out, width=80, highlight=False, no_color=True)
-    show_parts(console, [*pieces, *second, *([Paragraph(tables.doubt)] if tables.doubt else [])])
+    show_parts(console, [*in_pieces(tables), *([Paragraph(tables.doubt)] if tables.doubt else [])])
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 
 

@@ -9,7 +9,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, LinearSegmentedColormap, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
 NOISE = 2.0
@@ -25,7 +25,7 @@ def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
         fine, name = scale(channel, window.unit)
-    noise = NOISE * window.sigma[channel] * fine
+    noise = NOISE * fit.noise(channel) * fine
     axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=look.faint, lw=0.5, ls=":")
@@ -62,9 +62,10 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     drawn, (wide, at_reversal, at_middle) = figure(look, 4.6, "aa;bc")
     force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
+    colours = LinearSegmentedColormap.from_list("force", look.force)
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
-        cmap=look.force, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
+        cmap=colours, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
         if abs(plane.significance[row, column]) > SURE:
@@ -84,7 +85,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     _section(at_reversal, up, factor, units, "^-", look, "moving to the positive side")
     _section(at_reversal, down, factor, units, "v--", look, "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
-    at_reversal.legend(loc="best")
+    drawn.legend(*at_reversal.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     _section(at_middle, plane.section_at_middle, 1.0, units, "o-", look)
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
@@ -121,5 +122,5 @@ def cycles(found: Comparison, look: Look = PAPER) -> Picture:
         points(axis, done.time, values, std, form, look.model)
         axis.axhline(0 if std is not None else 1, color=look.faint, lw=0.8, ls="--")
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
-    axes[-1].set_ylim(bottom=0)
+    axes[-1].set_ylim(0, 1.1 * max(1.0, float(np.nanmax(found.free_run_misfit, initial=1.0))))
     return drawn

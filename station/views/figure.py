@@ -17,6 +17,7 @@ with unseen("matplotlibrc"):
 # isort: split
 from matplotlib.axes import Axes as Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.colors import LinearSegmentedColormap as LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 WIDTH = 6.9

@@ -85,7 +85,7 @@ def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: f
     middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     limits = (middle - half, middle + half)
     axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{unit[1]}]"))
-    axis.set_ylim(bottom=0)
+    axis.set_ylim(0, 1.25 * float(np.max(amplitude, initial=1e-12)))  # with room for the legend
     axis.locator_params(axis="x", nbins=4)
     axis.legend(loc="upper left")
 
@@ -149,7 +149,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     axis.invert_yaxis()
     axis.grid(axis="y", visible=False)
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
-    axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
+    axis.set(xlabel="share of the variance [%]", title="significance")
 
 
 def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:

@@ -20,7 +20,7 @@ CHANNEL = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": A
 @dataclass(frozen=True)
 class Look:
     """Colours of what is drawn: text, lines of reference, a measurement (as points, as a broad line), a model, a second
-    curve, a residual, the noise's band and bars; the ground, and matplotlib's name for the colours of a force."""
+    curve, a residual, the noise's band and bars; the ground, and the colours of a force: negative, none, positive."""
 
     ink: str
     faint: str
@@ -32,7 +32,7 @@ class Look:
     noise: str
     bar: str
     paper: str = "#ffffff"
-    force: str = "PuOr"
+    force: tuple[str, str, str] = ("#005aa0", "#dfe3e7", "#c85000")
 
 
 PAPER = Look(
@@ -69,7 +69,7 @@ DARK = Look(
     noise="#3cc89640",
     bar="#66717e",
     paper="#171c23",
-    force="managua",
+    force=("#56b4e9", "#3a434e", "#f0903c"),
 )
 PAGE = {True: DARK, False: LIGHT}
 """Of the workbench's page, by whether that is dark, in the colours of its style sheet."""

@@ -13,7 +13,6 @@ from daq.errors import StationError
 from station.exits import Problem
 from station.operations.new_session import capture_settings, session_info
 from station.text.layout import sentence
-from station.text.numbers import typeset
 from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.capture_run import CaptureRun, Progress, mystery
@@ -185,6 +184,6 @@ class ScopePanel:
         self._count.text = "" if left is None else f"{left:.1f} s"
         self._what.text = begun(now.sentence)
         lost = f" {now.lost} samples lost so far; they are asked for again." if now.lost else ""
-        self._more.text = typeset(f"{now.detail}{lost}")
+        self._more.text = f"{now.detail}{lost}"
         self._levels.content = part("levels", now.levels)
         ui.run_javascript(f"bench.scope({json.dumps(asdict(now.scope))})")

@@ -204,7 +204,7 @@ class CaptureRun(CaptureObserver):
         if name != "sealed":
             self._go_on()
         self._trace.state(name)
-        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
+        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=typeset(detail))
 
     def block(self, first_index: int, samples: Array) -> None:
         """Note the levels."""

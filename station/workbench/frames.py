@@ -26,6 +26,9 @@ RINGS, SECTORS = 10, 32
 FEWEST = 4
 """Samples in a cell, on the average, below which the cells are made larger."""
 
+ALONE = 0.4
+"""Share of rings and sectors for one channel, which hardly tells the forces of neighbouring cells apart."""
+
 UNKNOWN = 8.0
 """Times the median standard error above which nothing is known of a cell."""
 
@@ -59,7 +62,7 @@ def ground_of(prepared: PreparedDecay, fit: Fit) -> Ground:
     """Settle the axes and cells of a session. They depend on the release alone, not on a model; `fit` gives its window.
 
     The stage holds `time` (s since the release); `traces`, one for each channel: its name, the measured `values` in `unit`,
-    the noise `sigma` (standard deviation) in `fine_unit`; `cycle`, the cells of the map: edges of `rows` (amplitude) and
+    and the `fine_unit` of residual and noise; `cycle`, the cells of the map: edges of `rows` (amplitude) and
     `columns` (phase, rad: 0 at the largest displacement, growing with time), and the `cells` that were visited, row *
     columns + column; `velocity_per_amplitude`, the velocity that goes with one unit of amplitude; and the `units` of
     displacement "u", velocity "v" and force "f".
@@ -69,6 +72,7 @@ def ground_of(prepared: PreparedDecay, fit: Fit) -> Ground:
     u, w = motion.displacement, motion.velocity / frequency
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
+    coarse = coarse if window.paired else min(coarse, ALONE)
     rings, sectors = (
         max(4, round(RINGS * coarse)),
         4 * max(3, round(SECTORS * coarse / 4)),
@@ -98,14 +102,13 @@ def _place(values: Array, edges: Array) -> NDArray[np.intp]:
 def _trace(fit: Fit, channel: str) -> Drawing:
     window = fit.windows[0]
     factor, unit = scale(channel, window.unit)
-    fine, fine_unit = scale(channel, window.unit, fine=True)
+    _, fine_unit = scale(channel, window.unit, fine=True)
     measured = np.where(_holes(fit, channel), np.nan, window.readings[channel]) * factor
     return {
         "channel": channel,
         "unit": typeset(unit),
         "fine_unit": typeset(fine_unit),
         "values": numbers(measured[:: _stride(fit)]),
-        "sigma": float(f"{window.sigma[channel] * fine:.4g}"),
     }
 
 
@@ -121,8 +124,9 @@ def _holes(fit: Fit, channel: str) -> NDArray[np.bool_]:
 
 
 def frame_of(ground: Ground, fit: Fit) -> Drawing:
-    """Work out what a fitted model leaves: `model`, its readings, and `left`, the residual, channel by channel in the units
-    of the stage; `cycle` and `cycle_std`, the force that it lacks in each cell and its standard error.
+    """Work out what a fitted model leaves: `model`, its readings, `left`, the residual, and `noise`, the standard deviation
+    by which it is judged, channel by channel in the units of the stage; `cycle` and `cycle_std`, the force that it lacks in
+    each cell and its standard error.
 
     The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
     each cell takes up the residual; so its standard error is that of the readings' noise.
@@ -136,14 +140,21 @@ def frame_of(ground: Ground, fit: Fit) -> Drawing:
         for one in (found.size, found.std)
     )
     window, stride = fit.windows[0], _stride(fit)
-    models, lefts = [], []
+    models, lefts, noise = [], [], []
     for channel in window.channels:
         factor, _ = scale(channel, window.unit)
         small, _ = scale(channel, window.unit, fine=True)
         left = np.where(_holes(fit, channel), np.nan, fit.residual(channel)) * small
         models.append(numbers(fit.predicted[0][channel][::stride] * factor))
         lefts.append(numbers(left[::stride]))
-    return {"model": models, "left": lefts, "cycle": numbers(force), "cycle_std": numbers(std)}
+        noise.append(float(f"{fit.noise(channel) * small:.4g}"))
+    return {
+        "model": models,
+        "left": lefts,
+        "noise": noise,
+        "cycle": numbers(force),
+        "cycle_std": numbers(std),
+    }
 
 
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:

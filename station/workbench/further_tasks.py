@@ -1,5 +1,6 @@
 """The tasks of a worker other than the ladder and the import: export, report, viewer, examples, revealing."""
 
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -9,7 +10,9 @@ from daq.exporting import Exported, encode
 from daq.recording import Array, Channel, Recording
 from daq.session import Session
 from identify.effects.library import find_effect
+from identify.estimate import Estimate
 from identify.fitting.fit import Fit
+from identify.formatting import SPACE, quantity
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations import examples
 from station.operations.exporting import facts_of
@@ -17,9 +20,11 @@ from station.operations.identifying import identify_session, kept_options, write
 from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.viewer_tabs import kept_tabs
 from station.report.write import write_report
-from station.results.documents import EstimateDocument
 from station.results.ladder import read_ladder
+from station.results.models import ModelFile
 from station.settings import Settings
+from station.story.engineering_values import Weighing
+from station.story.preparation import weighing_of
 from station.text.numbers import with_names
 from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
@@ -32,14 +37,21 @@ def export(settings: Settings, say: Say, folder: Path) -> str:
     say("writing the samples")
     opened = open_session(settings, folder)
     refinement = opened.refinement
-    exported = fitted_samples(refinement.session, refinement.prepared, opened.present_fit())
+    model, weighing = (
+        refinement.ladder.top.model,
+        weighing_of(refinement.session, settings, refinement.prepared.window.unit),
+    )
+    exported = fitted_samples(refinement.session, refinement.prepared, opened.present_fit(), model, weighing)
     return encode(exported, "csv").decode()
 
 
-def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Exported:
+def fitted_samples(
+    session: Session, prepared: PreparedDecay, fit: Fit, stated: ModelFile, weighing: Weighing
+) -> Exported:
     """Gather the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
 
-    The motion is on one clock (the lag corrected). Readings that did not count are not a number.
+    The motion is on one clock (the lag corrected). Readings that did not count are not a number. The facts have the values
+    of the model as they are `stated` everywhere, and the release's own: where it starts, and how its sensors are off.
     """
     window, motion = fit.windows[0], prepared.motion
     units = {
@@ -61,8 +73,14 @@ def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Expor
         np.ones(len(window), dtype=bool),
         rate_std=window.rate_std,
     )
-    facts = {"model": " + ".join(term.effect.name for term in fit.model.terms)}
-    facts |= {f"fitted {name}": f"{found.value:.9g} ± {found.std:.3g}" for name, found in fit.values.items()}
+    facts = {"model": " + ".join(stated.names)}
+    for entry in stated.effects:
+        known = weighing.weighed(entry.effect, entry.parameters)
+        facts |= {f"fitted {entry.effect}.{name}": quantity(value) for name, value in known.items()}
+    for name, own in fit.nuisances.items():
+        start = name in ("displacement", "velocity") or ".state" in name
+        facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))
+    facts = {name: text.replace(SPACE, " ") for name, text in facts.items()}
     return Exported(recording, facts_of(session) | facts)
 
 
@@ -71,12 +89,10 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
     session = Session.open(folder)
     truth, ladder = what_was_hidden(session), read_ladder(session)
     hidden = truth["hidden"]
-    units = {parameter.name: parameter.unit for parameter in find_effect(hidden).parameters}
+    units = {p.name: p.unit for p in find_effect(hidden).parameters if "reading" not in p.unit}
     known = truth["parameters"].get(hidden, {}).items()
-    estimates = {
-        name: EstimateDocument(value=value, std=None, unit=units.get(name, "")) for name, value in known
-    }
-    values = ", ".join(with_names(estimates))
+    true = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in known}
+    values = ", ".join(with_names(weighing_of(session, settings, "m").weighed(hidden, true)))
     words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
     found = ladder is not None and hidden in ladder.top.effects
     return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"

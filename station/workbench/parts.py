@@ -7,12 +7,12 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from identify.formatting import plain_name
-from station.story.residual import explained_words, floor_words, times
+from station.story.residual import floor_words, times
 from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
 from station.text.guide_text import odds_before, percent
 from station.text.layout import sentence
-from station.text.numbers import typeset, with_unit
-from station.workbench.statements import share
+from station.text.numbers import typeset, with_names
+from station.workbench.statements import explains, share
 
 
 def begun(words: str) -> str:
@@ -27,7 +27,7 @@ def _macros() -> Any:
     )
     environment.filters |= {
         "plain": plain_name, "begun": begun, "times": times, "floor": floor_words, "typeset": typeset,
-        "unit": with_unit, "share": share, "explained": explained_words, "sentence": sentence,
+        "named": with_names, "share": share, "explains": explains, "sentence": sentence,
         "confirmed": confirmed_by, "alike": not_distinguishable, "fault": found_in_sensor,
         "percent": percent, "odds_before": odds_before,
     }  # fmt: skip

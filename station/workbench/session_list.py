@@ -9,6 +9,7 @@ from urllib.parse import quote
 import numpy as np
 
 from daq.errors import StationError
+from daq.manifest import NAME as MANIFEST
 from daq.recording import Array
 from daq.session import Session, SessionSummary, State, list_sessions
 from station.results.guide_document import NAME
@@ -97,6 +98,8 @@ def _entry(summary: SessionSummary, with_thumbnail: bool) -> Entry:
         return Entry(folder.name, folder, "", "damaged", summary.problem)
     date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
     word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
+    if info.state is not State.RECORDING and not (folder / MANIFEST).exists():
+        word = "no manifest"
     notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
     raw = folder / "raw.log"
     drawn = with_thumbnail and info.state is not State.RECORDING and raw.is_file()

@@ -157,7 +157,7 @@ class SessionState:
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder][-MOST_UNDONE:]
             self.summary = ""  # of another model
-        if before is not None and before.with_mass != found.with_mass:
+        if before is not None and before.weighing != found.weighing:
             self.summary = ""  # in other units
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
             self.suspects, self._suspects_drawn = Drawn(), False

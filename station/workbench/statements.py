@@ -3,6 +3,8 @@
 import math
 
 from identify.formatting import plain_name, three_figures
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_parts import SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import name_of
 from station.story.residual import explained_words, times
@@ -42,12 +44,27 @@ def says_of(view: View, summary: str) -> dict[str, Drawing]:
     found = {
         f"step{place}": _step(view, place, step, summary) for place, step in enumerate(view.ladder.steps)
     }
-    for suspect in view.diagnosis.suspects if view.diagnosis is not None else ():
-        name, values = plain_name(suspect.effect), parameters(suspect).replace("in the ", "In the ", 1)
+    document = view.diagnosis
+    if document is None:
+        return found
+    many = len(document.sessions)
+    for suspect in document.suspects:
         found[suspect.effect] = with_effect(
-            view.ladder, name, suspect.motion_percent, suspect.error_after, values
+            view.ladder,
+            plain_name(suspect.effect),
+            suspect.motion_percent,
+            suspect.error_after,
+            explains(document, suspect),
+            parameters(suspect, view.weighing).replace("in the ", "In the ", 1),
+            f"{many} releases together" if many > 1 else "",
         )
     return found
+
+
+def explains(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    """Say how much a suspect would explain of what the model leaves in all releases that were diagnosed."""
+    floor = document.noise_floor
+    return explained_words(document.error.chi2, suspect.error_after, floor.chi2_std if floor else None)
 
 
 def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:
@@ -69,17 +86,25 @@ def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:
 
 
 def with_effect(
-    ladder: KeptLadder, called: str, motion: float | None, chi2: float | None, more: str
+    ladder: KeptLadder,
+    called: str,
+    motion: float | None,
+    chi2: float | None,
+    words: str,
+    more: str,
+    whose: str = "",
 ) -> Drawing:
-    """Say what the present model leaves with one more effect, what that explains, and `more`."""
-    words = explained_words(ladder.top.error.chi2, chi2, ladder.top.chi2_std)
+    """Say what the present model leaves with one more effect, in `words` what that explains, and `more`.
+
+    `whose` says of which releases, where these are not the page's own alone: its ladder has no such step then.
+    """
     return {
         "big": f"{three_figures(motion)} %",
-        "what": f"of the motion with {called}: {times(chi2)} times the noise",
+        "what": f"of the motion{f', {whose}' if whose else f' with {called}'}: {times(chi2)} times the noise",
         "words": words,
         "more": f"It {words}. {more}" if words else more,
-        "short": f"with {called}: {times(chi2)} × noise",
-        "times": times(chi2),
-        "share": share(chi2, ladder),
+        "short": f"{f'{called}, together' if whose else f'with {called}'}: {times(chi2)} × noise",
+        "times": "" if whose else times(chi2),
+        "share": 0.0 if whose else share(chi2, ladder),
         "floor": False,
     }

@@ -11,6 +11,7 @@ from typing import Any
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
+from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
@@ -24,11 +25,12 @@ from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
+from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording, weighing_of
+from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
-from station.text.ladder_text import with_mass
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
@@ -41,7 +43,7 @@ def look(settings: Settings, say: Say, folder: Path) -> View:
     """View a session as its results stand."""
     say("reading the session")
     opened = open_session(settings, folder)
-    return _view(settings, opened, opened.refinement.ladder)
+    return _view(settings, opened, opened.refinement.ladder, doubt(folder))
 
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = "") -> View:
@@ -50,25 +52,27 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     names = tuple(frame_id(step.model) for step in ladder.steps)
     weighing = weighing_of(session, settings, opened.refinement.prepared.window.unit)
     opened.draw_step(ladder.top)
+    effects = _effects(ladder)
+    present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
         kept_diagnosis(session),
-        _equations(ladder),
+        {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
         {} if opened.ground is None else opened.ground.stage,
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,
-        with_mass(ladder.top, weighing),
+        typeset(f"{' + '.join(present)} = 0"),
+        weighing,
         session.info.specimen.startswith("mystery "),
     )
 
 
-def _equations(ladder: KeptLadder) -> dict[str, str]:
-    """Write the equations of the effects of the library, and of the user's own in the ladder, by the effect's name."""
+def _effects(ladder: KeptLadder) -> dict[str, Effect]:
+    """Return the effects of the library, and the user's own in the ladder, by name."""
     own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
-    effects = (*LIBRARY, *(parsed_effect(text) for text in own))
-    return {effect.name: typeset(effect.equation) for effect in effects}
+    return {effect.name: effect for effect in (*LIBRARY, *(parsed_effect(text) for text in own))}
 
 
 def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:
@@ -134,7 +138,7 @@ def complete(
     if not compared:
         with contextlib.suppress(Problem, NotIdentifiable):
             found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
-            words = found.comparison.summary
+            words = typeset(found.comparison.summary)
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))
     for drawn in () if document is None else _suspects(opened, document):
@@ -166,7 +170,9 @@ def _tried(opened: Opened, wanted: str) -> Drawn:
     step, _ = tried(opened.refinement, wanted)
     name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
-    says = with_effect(opened.refinement.ladder, called(wanted), error.motion_percent, error.chi2, more)
+    ladder = opened.refinement.ladder
+    words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.chi2_std)
+    says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
 
 

@@ -84,7 +84,7 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
         read_ladder(session),
         result.adequacy,
     )
-    tables = table.told(table.make_tables(documents))
+    tables = table.in_pieces(table.make_tables(documents)) if len(documents) > 1 else []
     parts = (*words.brief, *tables, *facts(left_out))
     if ladder is not None and ladder.top.at_floor and adequacy and not (adequacy.doubt or adequacy.quotable):
         current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"

@@ -6,6 +6,7 @@ from typing import Any
 from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
+from station.story.engineering_values import UNKNOWN, Weighing
 
 Numbers = list[float | None]
 """Values to draw, None where nothing is known."""
@@ -57,8 +58,8 @@ class View:
     """What the page shows of a session: ladder, last diagnosis, equations by effect.
 
     `frames` are those at hand, by the name of `step_frames` (one for each step). `note` is what a task has to say,
-    `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known;
-    `mystery` says that a simulated board hid something.
+    `equation` that of the present model, `weighing` what puts the mass into its strengths; `mystery` says that a simulated
+    board hid something.
     """
 
     ladder: KeptLadder
@@ -69,7 +70,8 @@ class View:
     frames: dict[str, Drawing] = field(default_factory=dict)
     step_frames: tuple[str, ...] = ()
     note: str = ""
-    with_mass: dict[str, str] = field(default_factory=dict)
+    equation: str = ""
+    weighing: Weighing = UNKNOWN
     mystery: bool = False
 
     @property

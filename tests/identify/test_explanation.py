@@ -1,5 +1,6 @@
 """What a diagnosis says: percent of the motion where the floor is a guess, and what to record of a driven motion."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -125,3 +126,25 @@ def test_a_sensors_fault_that_is_little_of_what_a_guessed_floor_excuses_is_told(
     baseline = SimpleNamespace(fit=before, floor_is_sure=sure)
     words = explain._hardly_any_of_it(baseline, SimpleNamespace(kind=kind), SimpleNamespace(fit=after))
     assert words.strip().startswith(told) if told else words == ""
+
+
+def test_of_a_channel_that_the_displacement_does_not_show_the_misfit_is_told_that_falls():
+    sample = draw("quadratic_damping", 1e-6, 8, amplitude=0.02)
+    drift = 0.01 * np.arange(len(sample.displacement)) / sample.rate
+    channels = {"displacement": sample.displacement, "acceleration": sample.acceleration + drift}
+    found = diagnose(FreeDecay(sample.rate, **channels), library=(find_effect("offset_drift"),))
+    told = re.search(r"the misfit from ([\d.]+) to ([\d.]+) % of the acceleration", found.explanation)
+    assert float(told[2]) < 0.7 * float(told[1])
+
+
+def test_what_is_on_no_card_is_not_the_next_best():
+    def suspect(name, left, plausible=True):
+        effect = find_effect(name)
+        return SimpleNamespace(
+            effect=effect, error_after=left, plausible=plausible, corrected=None, fit=None, rivals=()
+        )
+
+    baseline = SimpleNamespace(fit=None, reduced=lambda fit: 100.0, adequate=lambda fit: False)
+    others = (suspect("dahl_friction", 1.1, plausible=False), suspect("cubic_damping", 50.5))
+    words = explain._alternatives(baseline, suspect("quadratic_damping", 1.0), others)
+    assert words.startswith("The next best, cubic damping, would explain 50 % of it")

@@ -11,6 +11,7 @@ from daq.quality import Grade, Verdict
 from daq.reading_flags import Flag
 from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
+from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -26,7 +27,7 @@ from station.story.adequacy import (
     recording_doubt,
     scale_doubt,
 )
-from station.story.engineering_values import Weighing, engineering_values, times_mass
+from station.story.engineering_values import UNKNOWN, Weighing, engineering_values, times_mass
 from station.story.residual import residual_words
 
 MASS = 21.36
@@ -170,7 +171,8 @@ def test_the_error_of_the_mass_joins_that_of_the_value():
     assert (whole.value, whole.unit) == (2.0, "N")
     assert whole.std == pytest.approx(math.hypot(0.02, 0.05))
     assert times_mass(Estimate(0.1, 0.001, "rad/s^2"), 2.0, None, "rad").unit == "N m"
-    assert times_mass(Estimate(0.1, 0.001, "V"), 2.0) is None
+    assert times_mass(Estimate(0.1, 0.001, "V/s^2"), 2.0).unit == "kg V/s^2"
+    assert times_mass(Estimate(0.1, 0.001, "1"), 2.0) is None
 
 
 @pytest.mark.slow
@@ -191,9 +193,14 @@ def test_identify_says_first_whether_to_quote_and_where_to_look_next(tmp_path, m
 
 def test_what_is_relative_to_another_effect_has_no_mass_in_it():
     weighing = Weighing(2.0)
-    assert weighing.strength("time_varying_stiffness", {"rate": Estimate(0.03, 0.001, "1/s")}) is None
-    name, whole = weighing.strength("viscous_damping", {"mu_1": Estimate(0.03, 0.001, "1/s")})
-    assert (name, whole.value, whole.unit) == ("mu_1", 0.06, "N s/m")
+    given = Estimate(0.03, 0.001, "1/s")
+    assert weighing.weighed("time_varying_stiffness", {"rate": given}) == {"rate": given}
+    whole = weighing.weighed("viscous_damping", {"mu_1": given})["mu_1"]
+    assert (whole.value, whole.unit) == (0.06, "N s/m")
+    effects = [find_effect(name) for name in ("linear_stiffness", "second_mass", "channel_lag")]
+    assert weighing.terms(effects)[:2] == ["m u''", "k u"]
+    assert weighing.terms(effects)[2].startswith("m (ratio (")
+    assert UNKNOWN.terms(effects)[0] == "u''"
 
 
 def test_a_run_that_diverges_and_a_small_residual_that_repeats_are_said_so():

@@ -20,6 +20,7 @@ from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
 from station.results.diagnosis_parts import ShapeDocument
+from station.story.engineering_values import UNKNOWN
 from station.text.diagnosis_text import confirmed_by, next_command, predictions, residuals, told
 from station.text.layout import show
 
@@ -179,7 +180,9 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
 def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
     parts = suspects(
-        SimpleNamespace(diagnosis=without_pictures, maps=(), curves=None, compared=None, left_out={})
+        SimpleNamespace(
+            diagnosis=without_pictures, maps=(), curves=None, compared=None, left_out={}, weighing=UNKNOWN
+        )
     )
     table = next(p for p in parts if p.kind == "table" and p.head[0] == "left out")
     assert table.rows[0] == ("first", "5.00 to 1.00", "4.00 to 1.00", "3.00 to 0.00")

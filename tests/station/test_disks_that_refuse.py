@@ -9,6 +9,9 @@ import pytest
 
 from daq.storage import Lock, refused
 from station.cli import run
+from station.settings import Settings
+from station.story.pipeline import silent
+from station.workbench.tasks import look
 
 T = np.arange(1200) / 100.0
 
@@ -34,10 +37,27 @@ def test_a_session_that_was_cut_says_so_before_anything_else(here, capsys, comma
     assert "station verify sessions/decay" in first
 
 
+def test_page_and_report_certify_no_session_that_was_changed(here, capsys):
+    assert run(["import", "decay.csv"]) == 0
+    folder = here / "sessions" / "decay"
+    with (folder / "raw.log").open("ab") as raw:
+        raw.write(b"more")
+    assert "does not agree with its manifest" in look(Settings(), silent, folder).note
+    assert run(["report", "decay"]) == 0
+    page = (folder / "results" / "report.html").read_text(encoding="utf-8")
+    assert page.index("does not agree with its manifest") < page.index("<h2>Result")
+    assert "every byte as it came" not in page
+    assert "Verdict on the recording:</b> none" in page
+
+
 def test_a_session_that_is_as_it_was_written_brings_no_warning(here, capsys):
     assert run(["identify", "decay.csv"]) == 0
     assert run(["compare", "decay"]) == 0
+    assert run(["report", "decay"]) == 0
     assert "warning" not in capsys.readouterr().err
+    assert not look(Settings(), silent, here / "sessions" / "decay").note
+    page = (here / "sessions" / "decay" / "results" / "report.html").read_text(encoding="utf-8")
+    assert "every byte as it came" in page
 
 
 def test_of_a_session_that_may_not_be_written_results_are_told_and_not_kept(here, capsys, monkeypatch):

@@ -7,6 +7,7 @@ from identify.formatting import SPACE, quantities, quantity, three_figures as fi
 from station.cli import in_plain_words, run
 from station.results.diagnosis_parts import FindingDocument
 from station.results.documents import EstimateDocument
+from station.results.models import Value
 from station.text.diagnosis_text import found_in_sensor
 
 
@@ -43,6 +44,7 @@ def test_no_figure_of_nine_digits_and_no_blank_for_a_unit_that_is_none():
     assert figures(123795784.0) == "1.24 × 10⁸"
     assert figures(99_000.0) == "99000"
     assert quantity(Estimate(0.002131, float("inf"), "")) == "0.002131 (error unknown)"
+    assert quantity(Value(value=0.0, std=None, unit="N")).replace(SPACE, " ") == "0 N (error unknown)"
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from station.cli import run
 from station.report.write import SECTIONS, write_report
 from station.text.numbers import typeset_unit
 
+MASS = 21.36
 HOSTILE = '<script>alert("x")</script>'
 NAMES = (
     "comparison", "suspects", "ladder", "equation", "setup", "capture", "alignment", "methods", "provenance",
@@ -61,7 +62,7 @@ def folder(tmp_path_factory):
         patch.delenv("DISPLAY", raising=False)
         patch.delenv("WAYLAND_DISPLAY", raising=False)
         patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
-        assert run(["import", str(DUFFING), "--mass", "21.36", "--session", "sessions/duffing"]) == 0
+        assert run(["import", str(DUFFING), "--mass", str(MASS), "--session", "sessions/duffing"]) == 0
         assert run(["diagnose", "duffing"]) == 0
         assert run(["refine", "duffing", "--add", "cubic_stiffness", "--no-viewer"]) == 0
         assert run(["report", "duffing"]) == 0
@@ -149,14 +150,15 @@ def test_the_equation_has_the_parameters_of_the_present_model(page, kept):
     entries = kept("model")["effects"]
     for entry in entries:
         (value,) = entry["parameters"].values()
-        unit = typeset_unit(value["unit"])
+        unit = typeset_unit({"1/s^2": "N/m", "m/s^2": "N", "1/s": "N s/m"}.get(value["unit"], "N/m^3"))
         row = next(r for r in page.rows if r[0] == entry["effect"] and len(r) == 5 and r[4] == unit)
-        assert agrees(row[3], value)
-    k3 = entries[3]["parameters"]["k3"]["value"]
-    line = next(text for text in page.text if text.startswith("ü + 6"))
+        assert agrees(row[3], {name: MASS * value[name] for name in ("value", "std")})
+        assert "per unit mass" not in row[2]
+    k3 = MASS * entries[3]["parameters"]["k3"]["value"]
+    line = next(text for text in page.text if text.startswith("21.36 ü + "))
     printed = line.replace(SPACE, " ")
     assert "u³ = 0" in printed
-    assert f"({k3 / 1e4:.3f} × 10⁴) u³" in printed
+    assert f"({k3 / 1e6:.4f} × 10⁶) u³" in printed
 
 
 def test_the_errors_of_the_comparison_and_the_ladder_are_those_of_the_json(page, kept):

@@ -15,6 +15,7 @@ from station.report.loop import suspects
 from station.results.diagnosis_document import read_diagnosis
 from station.results.diagnosis_parts import CurveDocument
 from station.settings import Settings
+from station.story.engineering_values import UNKNOWN
 from station.views import diagnosis_figures
 
 
@@ -89,6 +90,7 @@ def test_the_report_shows_what_was_found(kept):
     drawing = base64.b64decode(picture.partition(",")[2])
     assert b"<svg" in drawing
     assert b"with cubic stiffness" in drawing
-    found = SimpleNamespace(diagnosis=kept.document, maps=(), curves=kept.shown, compared=None, left_out={})
+    known = {"diagnosis": kept.document, "curves": kept.shown, "weighing": UNKNOWN}
+    found = SimpleNamespace(maps=(), compared=None, left_out={}, **known)
     captions = [part.caption for part in suspects(found) if part.kind == "figure"]
     assert any("Thick line: the model with the named effects" in caption for caption in captions)

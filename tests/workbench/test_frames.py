@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,14 @@ import pytest
 from daq.exporting import encode
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
+from identify.fitting.misfit_errors import with_misfit_errors
+from identify.formatting import SPACE, with_error
 from identify.model.model import Term, base_model
+from station.operations.examples import open_example
+from station.results.models import model_file
 from station.results.sessions import open_session
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session
 from station.workbench.frames import frame_of, ground_of
 from station.workbench.further_tasks import fitted_samples
@@ -57,6 +63,15 @@ def test_a_model_that_lacks_nothing_leaves_noise_in_every_cell(prepared):
     assert len(frame["cycle"]) == len(ground.stage["cycle"]["cells"])
 
 
+def test_the_noise_beside_a_residual_is_that_by_which_it_is_judged_coloured_or_not(tmp_path):
+    """The ship's roll is one channel, whose noise is a random walk: its white part is a thousandth of it."""
+    release = prepare_session(open_example("ship_roll", tmp_path), Settings())
+    fit = fitted(release)
+    frame = frame_of(ground_of(release, fit), fit)
+    left = np.array(frame["left"][0], dtype=float)
+    assert np.sqrt(np.nanmean(left**2)) / frame["noise"][0] == pytest.approx(np.sqrt(fit.reduced), rel=0.02)
+
+
 @pytest.mark.parametrize(("name", "hidden"), HIDDEN.items())
 def test_the_hidden_effect_bleaches_the_map_whether_it_is_a_force_or_a_fault_of_a_sensor(
     prepared, name, hidden
@@ -88,7 +103,8 @@ def test_the_exported_samples_are_written_as_station_export_does_and_the_residua
     release = prepared["release_14"]
     fit = fitted(release)
     session = open_session(str(DATA / "hidden" / "release_14.csv"), tmp_path / "sessions")
-    text = encode(fitted_samples(session, release, fit), "csv").decode()
+    stated = model_file(with_misfit_errors(fit))
+    text = encode(fitted_samples(session, release, fit, stated, Weighing(2.0)), "csv").decode()
     head, *rows = csv.reader(line for line in io.StringIO(text) if not line.startswith("#"))
     assert head[:5] == [
         "time [s]", "time_since_release [s]", "displacement_aligned [m]", "velocity_aligned [m/s]",
@@ -102,3 +118,8 @@ def test_the_exported_samples_are_written_as_station_export_does_and_the_residua
         assert float(row[read]) - float(row[model]) == pytest.approx(float(row[residual]), abs=1e-7)
     assert f"# session: {session.folder.name}\n" in text
     assert "# model: linear_stiffness + coulomb_friction + viscous_damping\n" in text
+    k = stated.parameters["linear_stiffness.k"]
+    assert k.std > 5.0 * fit.values["linear_stiffness.k"].std  # the model lacks a force
+    said = with_error(2.0 * k.value, 2.0 * k.std).replace(SPACE, " ")
+    assert f"# fitted linear_stiffness.k: {said} N/m\n" in text
+    assert re.search(r"# at the start, velocity: \S+ m/s\n", text)

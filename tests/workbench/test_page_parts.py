@@ -1,6 +1,7 @@
 """Small parts of the page: what is said of a suspect, stored sessions, the scope, doubles, colours."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +11,19 @@ from daq.capture import CaptureSettings
 from daq.recording import Channel
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import plain_name
+from identify.model.model import Model, Term
 from station.exits import UsageProblem
+from station.results.diagnosis_document import DiagnosisDocument, refused_document
 from station.settings import Settings
+from station.story.pipeline import silent
 from station.story.residual import explained_words
 from station.workbench import stored_sessions
 from station.workbench.capture_run import ScopeTrace
 from station.workbench.opened_session import open_session
 from station.workbench.parts import begun
 from station.workbench.session_list import outline
+from station.workbench.statements import says_of
+from station.workbench.tasks import look
 
 CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 
@@ -61,6 +67,33 @@ def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_b
     assert list_sessions(place.parent) == ()
     binned.rename(place)
     assert [summary.folder for summary in list_sessions(place.parent)] == [place]
+
+
+def joint(effects, **numbers):
+    """Make the diagnosis of two releases of the usual model, which leaves 10 times the noise in them."""
+    suspect = {"effect": "cubic_stiffness", "title": "", "kind": "physics", "channel": None, "evidence": 9.0}
+    suspect |= {
+        "error_after": 25.0,
+        "parameters": {},
+        "confusable_with": [],
+        "plausible": True,
+        "claimed": True,
+    }
+    known = {"verdict": "missing_effect", "named": ["cubic_stiffness"], "error": {"chi2": 100.0}}
+    known |= {"suspects": [suspect | {"model": None, "motion_percent": 1.0} | numbers]}
+    known |= {"noise_floor": {"chi2": 1.0, "chi2_std": 0.05, "channels": {}}}
+    return DiagnosisDocument.model_validate(
+        refused_document(("one", "two"), Model(tuple(map(Term, map(find_effect, effects)))), "").plain()
+        | known
+    )
+
+
+def test_what_releases_show_together_is_a_share_of_what_the_model_leaves_in_all_of_them(kept):
+    view = look(Settings(), silent, kept)
+    view = replace(view, diagnosis=joint(view.ladder.top.effects))
+    said = says_of(view, "")["cubic_stiffness"]
+    assert said["words"] == "would explain 76 %"  # (100 - 25) of (100 - 1)
+    assert "2 releases together: 5.00 times the noise" in said["what"]
 
 
 @pytest.mark.parametrize("wanted", ["", "  ", "../elsewhere/.."])

@@ -54,6 +54,7 @@ def test_the_looks_of_the_page_are_the_colours_of_its_style_sheet(scheme, look):
         ("paper", look.paper),
         ("model", look.model),
         ("left", look.second),
+        *zip(("map-low", "map-middle", "map-high"), look.force, strict=True),
     ):
         assert [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)] == colours[name]
 
@@ -72,5 +73,5 @@ def test_a_record_without_analysis_is_shown_and_a_strangers_name_stays_text(fold
 
 def test_an_identification_is_told_with_both_methods_side_by_side(folder):
     told = told_by(telling.identified, folder, ())
-    assert [part.kind for part in told.brief] == ["facts", "table", "facts", "table"]
+    assert [part.kind for part in told.brief] == ["facts", "table", "facts"]
     assert told.headline.startswith(folder.name)

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from station.settings import Settings
+from station.story.engineering_values import UNKNOWN
 from station.workbench import tasks, worker
 from station.workbench.app_state import AppState
 from station.workbench.session_state import Running, SessionState
@@ -71,7 +72,7 @@ def looked(*asked: str) -> SimpleNamespace:
     diagnosis = SimpleNamespace(model=model(*asked), suspects=("any",)) if asked else None
     return SimpleNamespace(
         diagnosis=diagnosis, ladder=SimpleNamespace(top=model(*asked), present=0, steps=()), about_present=True,
-        at_floor=False, note="", with_mass={}, frames={"step": "drawn"}, step_frames=("step",),
+        at_floor=False, note="", weighing=UNKNOWN, frames={"step": "drawn"}, step_frames=("step",),
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@
     if (news.steps) S.steps = news.steps;
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
-    if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
+    if (S.stage && first()) S.reach = reachOf(first());  // colours are those of the first model, whatever is shown
     bench.draw();
     setTimeout(bench.draw, 300);  // cards, buttons and the width of a chart may come a moment after what is said of them
   };
@@ -36,12 +36,15 @@
     bench.draw();
   };
 
-  function size(values, share = 1) {
-    const sizes = values.filter((v) => v !== null).map(Math.abs).sort((a, b) => a - b);
-    return sizes.length ? sizes[Math.floor(share * (sizes.length - 1))] || 1e-12 : 1;
+  const size = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-12);
+  // The force at the end of the colours: 98 % of the cells are below it, each counted as sure as it is known.
+  function reachOf(frame) {
+    const known = frame.cycle.map((force, i) => [force, frame.cycle_std[i] ** -2]).filter(([force]) => force !== null).map(([force, sure]) => [Math.abs(force), sure]);
+    let left = 0.98 * known.reduce((sum, [, sure]) => sum + sure, 0);
+    return (known.sort((a, b) => a[0] - b[0]).find(([, sure]) => (left -= sure) <= 0) || [1])[0] || 1e-12;
   }
   function worst() {  // the channel in which the first model fails most
-    const frame = first(), of = (k) => { const left = frame.left[k].filter((x) => x !== null); return left.reduce((sum, x) => sum + x * x, 0) / (left.length * S.stage.traces[k].sigma ** 2 || 1); };
+    const frame = first(), of = (k) => { const left = frame.left[k].filter((x) => x !== null); return left.reduce((sum, x) => sum + x * x, 0) / (left.length * frame.noise[k] ** 2 || 1); };
     return frame ? S.stage.traces.map((_, k) => k).sort((a, b) => of(b) - of(a))[0] : 0;
   }
   function outlines(stage) {  // each cell of the map as a polygon in the phase plane
@@ -86,8 +89,8 @@
   function traces(chart, frame, stage) {
     const trace = stage.traces[S.channel], before = bench.before(), t = stage.time, pairs = (ys) => ys.map((y, i) => [t[i], y]);
     const line = (id, name, ys, grid, colour, width, more) => ({ id, name, type: "line", xAxisIndex: grid, yAxisIndex: grid, data: pairs(ys), symbol: "none", silent: true, tooltip: { valueFormatter: (y) => (typeof y === "number" ? `${y.toPrecision(4)} ${grid ? trace.fine_unit : trace.unit}` : "?") }, lineStyle: { width, color: bench.css(colour) }, itemStyle: { color: bench.css(colour) }, ...more });
-    const reach = Math.max(1.1 * size(first().left[S.channel]), 3 * trace.sigma), ends = { showMinLabel: null, showMaxLabel: null };
-    const time = { type: "value", min: Math.min(0, t[0]), max: t[t.length - 1], axisPointer: { label: { formatter: (p) => `t = ${p.value.toFixed(3)} s` } } }, noise = [[{ yAxis: -2 * trace.sigma }, { yAxis: 2 * trace.sigma }]];
+    const reach = Math.max(1.1 * size(first().left[S.channel]), 3 * first().noise[S.channel]), ends = { showMinLabel: null, showMaxLabel: null };
+    const time = { type: "value", min: Math.min(0, t[0]), max: t[t.length - 1], axisPointer: { label: { formatter: (p) => `t = ${p.value.toFixed(3)} s` } } }, noise = [-2, 2].map((times) => ({ yAxis: times * frame.noise[S.channel] }));
     chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() },
       title: [title(`${trace.channel} [${trace.unit}]`, 4), title(`residual [${trace.fine_unit}], noise (2 std)`, 4, "46%")],
       legend: [legend(["measured", "model"], 0), legend(before ? ["before", "now"] : ["now"], "46%")],
@@ -97,7 +100,7 @@
       axisPointer: { link: [{ xAxisIndex: "all" }] }, dataZoom: [{ type: "inside", xAxisIndex: [0, 1], zoomOnMouseWheel: "ctrl", moveOnMouseMove: "shift" }],
       tooltip: { trigger: "axis", confine: true, backgroundColor: bench.css("paper"), borderColor: bench.css("line"), textStyle: { color: bench.css("ink"), fontSize: 12 } },
       series: [line("measured", "measured", trace.values, 0, "ink", 2.4), line("model", "model", frame.model[S.channel], 0, "model", 1.3),
-        line("before", "before", before ? before.left[S.channel] : NONE, 1, "ghost", 1), line("left", "now", frame.left[S.channel], 1, "left", 1.2, { markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: noise } })],
+        line("before", "before", before ? before.left[S.channel] : NONE, 1, "ghost", 1), line("left", "now", frame.left[S.channel], 1, "left", 1.2, { markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: [noise] } })],
     });
   }
 
