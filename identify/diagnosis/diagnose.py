@@ -21,7 +21,7 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
 from identify.fitting.whole_spring import as_the_whole_spring
-from identify.formatting import three_figures
+from identify.formatting import plain_name, quantities, three_figures
 from identify.free_decay import FreeDecay
 from identify.judging.beside_walk import walk_sentence
 from identify.judging.judgement import judge, large_enough, listed_suspects
@@ -193,6 +193,10 @@ class Diagnosis(Summarised):
             f"{HEADLINES[self.verdict]}{named}",
             (
                 self.explanation,
+                *(
+                    f"{plain_name(one.effect.name).capitalize()}: {', '.join(quantities(one.parameters))}."
+                    for one in self.named_suspects
+                ),
                 *(f"Used: {decay.use.words}." for decay in self.decays if decay.use is not None),
                 what_was_used(self.baseline.decays),
                 modes_sentence(self.modes),

@@ -20,11 +20,9 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         effect = suspect.confirmed
         if effect is None:
             continue
-        numbers = ", ".join(quantities(suspect.parameters))
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which changes "
-            f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
+            f"The missing effect is {plain_name(suspect.effect.name)}, which changes {_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The odds against a "
             f"drift of the rig, or a law without a name, are {odds_words(effect.nats)}{alike}."
         )
