@@ -23,7 +23,7 @@ WIDTH = 80
 
 def mystery(folder: Path) -> Solved:
     """Record and solve the README's mystery in a folder."""
-    return solve(Settings(sessions=folder), SEED, 0.0, None, True, Console(quiet=True))
+    return solve(Settings(sessions=folder), SEED, 0.0, None, True, Console(quiet=True))[0]
 
 
 def block(solved: Solved) -> str:
