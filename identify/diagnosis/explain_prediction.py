@@ -22,9 +22,10 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
             continue
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"The missing effect is {plain_name(suspect.effect.name)}, which changes {_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
-            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The odds against a "
-            f"drift of the rig, or a law without a name, are {odds_words(effect.nats)}{alike}."
+            f"The missing effect is {plain_name(suspect.effect.name)}, which changes {_KINDS[effect.explains]} with the "
+            f"amplitude: the error of prediction falls from {three_figures(effect.before)} to "
+            f"{three_figures(effect.after)} % of the motion. The odds against a drift of the rig, or a law without a name, "
+            f"are {odds_words(effect.nats)}{alike}."
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
 
