@@ -14,6 +14,7 @@ from daq.importing.units import Unit
 from daq.recording import Array
 
 EVEN = 1e-3
+COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
 SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
@@ -122,7 +123,7 @@ def from_stamps(
         notes.extend((*_holes(table, index, time, rows), *_evenness(slope, stray, resample)))
     return Timebase(
         rate=float(f"{1.0 / slope:.13g}"),
-        rate_std=rate_std,
+        rate_std=rate_std if stray > COMPUTED * slope else None,
         rows=rows,
         index=index,
         count=int(index[-1]) + 1,
