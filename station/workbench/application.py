@@ -5,7 +5,7 @@ import logging
 from pathlib import Path
 
 from fastapi import FastAPI, Request
-from nicegui import Client, app as nicegui_app, background_tasks, binding, ui
+from nicegui import Client, app as nicegui_app, background_tasks, ui
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
 from station.operations.identifying import VIEW
@@ -51,9 +51,9 @@ def make(
     state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, token=token, any_address=any_address)
-    binding.MAX_PROPAGATION_TIME = (
-        1.0  # on a busy computer it is over the usual hundredth of a second now and then
-    )
+    logging.getLogger("nicegui").setLevel(
+        logging.ERROR
+    )  # it warns of a busy computer, and of what is not served
     nicegui_app.add_static_files("/static/bench", STATIC)
     serve_files(app, temporary, state.session_list)
     nicegui_app.on_startup(lambda: background_tasks.create(workers.warm(warm_up)))

@@ -72,7 +72,7 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     page.get_by_text("At the noise floor").wait_for()
     page.get_by_role("button", name="Reveal the mystery").click()
     page.get_by_text(
-        re.compile(r"The simulated board hid Stribeck friction.*\(dmu = [\d.]+\sm/s², vs = ")
+        re.compile(r"The simulated board hid Stribeck friction.*\(dmu = [\d.]+\sN, vs = ")
     ).wait_for()
     page.reload()
     page.wait_for_function("document.querySelectorAll('.step').length == 2")
