@@ -27,7 +27,7 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
 from identify.judging.linear_gain import LINEAR_UP_TO
-from identify.judging.ranking import at_rest
+from identify.judging.ranking import dispersion
 from identify.judging.suspects import residual_lines
 from identify.judging.verdict import Judgement
 from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES
@@ -108,18 +108,21 @@ class WithoutName:
         return cls(walk, smooth_law_beside(found, walk))
 
 
-def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
+def weigh(
+    before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName, widened: float = 1.0
+) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
-    `last` is the fit with the leader; the others explain as much, and leave as much.
+    `last` is the fit with the leader; the others explain as much, and leave as much. `widened` is the dispersion in which
+    `nats` were counted.
     """
     first = WithoutName.beside(before)
-    shift = last.walk.evidence - first.walk.evidence
+    shift = (last.walk.evidence - first.walk.evidence) / widened
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
-        unnamed=first.law,
-        beside=last.law,
+        unnamed=first.law / widened,
+        beside=last.law / widened,
         drift_weighed=True,
     )
 
@@ -134,23 +137,21 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     if not added:
         return judged
     last = WithoutName.beside(final)
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    widened = dispersion(baseline, [one.fit for one in judged.ranked if one.plausible])
     if len(added) == 1:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         effects = {one.name: one.term.effect for one in near}
-        nats = {
-            one.name: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
-            for one in near
-        }
-        if weigh(baseline.fit, nats, effects, last).verdict != "named":
+        nats = {one.name: one.evidence for one in near}
+        if weigh(baseline.fit, nats, effects, last, widened).verdict != "named":
             return None
     else:
+        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
         for effect in added:
             less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
             nats = {effect.name: evidence(less, final, scales)}
             if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
                 return None
-    return replace(judged, walk=last.walk) if last.walk.evidence > RIVALS_WITHIN else judged
+    return replace(judged, walk=last.walk) if last.walk.evidence > RIVALS_WITHIN * widened else judged
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
