@@ -78,7 +78,8 @@ def identify_restoring_force(
         raise NotIdentifiable(
             "too few cycles for windows of two; release from a larger amplitude or record longer"
             if window.valid.all()
-            else "gaps leave too few whole stretches of two cycles; record again without losses"
+            else "readings that are lost or stand out leave too few whole stretches of two cycles; release from a larger "
+            "amplitude, or record again"
         )
     fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
     tried = fits[least_order:]
