@@ -71,7 +71,7 @@ class Diagnosis(Summarised):
     name is missing. `harmonics` says, near a floor that is a guess, whether the residual stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
-    `walk` is a random walk of spring and damper that is not distinguishable from the name, or remains beside it; else None.
+    `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit.
     `hypotheses` are those still open, the likeliest first.
     """
 
@@ -196,6 +196,7 @@ class Diagnosis(Summarised):
                 *(
                     f"{plain_name(one.effect.name).capitalize()}: {', '.join(quantities(one.parameters))}."
                     for one in self.named_suspects
+                    if one.strength_known
                 ),
                 *(f"Used: {decay.use.words}." for decay in self.decays if decay.use is not None),
                 what_was_used(self.baseline.decays),
@@ -239,7 +240,7 @@ def diagnose(
     few = too_few_cycles(baseline) and verdict != "sensor_fault"
     if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
         verdict = "not_enough_data"
-        judgement = replace(judgement, verdict=verdict)
+        judgement = replace(judgement, verdict=verdict, walk=None)
     findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
@@ -300,7 +301,9 @@ def _why(
     """Explain the verdict: the reason, what drifts, what stands at the harmonics, by how much releases differ."""
     why = explain(baseline, judgement, suspects, findings, settled)
     releases = 1 + max(prepared.window.release for prepared in baseline.decays)
-    walk = walk_sentence(judgement.walk, named=judgement.verdict == "missing_effect", releases=releases)
+    walk = walk_sentence(
+        judgement.walk, named=judgement.verdict in ("missing_effect", "sensor_fault"), releases=releases
+    )
     return " ".join(
         filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )

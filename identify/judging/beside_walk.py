@@ -1,7 +1,7 @@
 """Whether named effects explain more than a random walk of spring and damper, or a smooth law without a name.
 
-Where the floor is sure, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law that
-the library does not hold, to within the noise, with thousands of nats. A law counts by what it explains beyond both,
+Where the floor is reached, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law
+that the library does not hold, to within the noise, with thousands of nats. A law counts by what it explains beyond both,
 and it must leave nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
 shows in the residual of the law.
 
@@ -137,8 +137,9 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     if not added:
         return judged
     last = WithoutName.beside(final)
-    widened = dispersion(baseline, [one.fit for one in judged.ranked if one.plausible])
+    widened = 1.0
     if len(added) == 1:
+        widened = dispersion(baseline, [one.fit for one in judged.ranked if one.plausible])
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
@@ -155,7 +156,7 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Make the judgement without a name, with the random walk if one explains all of the misfit."""
+    """Give a judgement without a name, at a sure floor, the random walk that explains all of the misfit, if one does."""
     near = baseline.floor_is_sure and baseline.fit.reduced < LINEAR_UP_TO
     if judged.verdict != "unknown_effect" or not near:
         return judged
@@ -175,7 +176,7 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"Beside it {drift} remains."
+        return f"Beside what is named {drift} remains."
     apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
 

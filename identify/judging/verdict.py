@@ -43,8 +43,8 @@ class Judgement:
     `ranked` are the candidates, what the verdict names first; `together` the other effects where it takes several; `final`
     the fit with what was found; `shape` the free-form force, when the missing force has no name. `confirmation` is what
     curves predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `walk` is a random walk of spring and damper that is not distinguishable
-    from the name, or remains beside it; else None.
+    too small to be named; 0 where that is not so. `walk` is a random walk of spring and damper that remains beside the
+    name or, without one, explains all of the misfit; else None.
     """
 
     verdict: Verdict

@@ -43,8 +43,8 @@ class DiagnosisDocument(Document):
     is.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
-    `walk` is a random walk of spring and damper not distinguishable from the name, or that remains beside it: its evidence
-    (nats), its standard deviations after one second, and the reduced chi-square beside it. None elsewhere.
+    `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit:
+    its evidence (nats), its standard deviations after one second, and the reduced chi-square beside it. None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `hypotheses` are those still open, the likeliest first; `next_release` distinguishes them best, None where none can.
     `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.

@@ -153,4 +153,5 @@ def test_a_law_that_reaches_a_guessed_floor_must_also_beat_a_random_walk_and_a_s
     found = diagnose(FreeDecay(simulated.rate, simulated.displacement[first:], acceleration))
     assert not found.baseline.floor_is_sure
     assert found.suspects[0].claimed
+    assert found.baseline.adequate(found.suspects[0].fit)
     assert found.named == ()
