@@ -53,12 +53,12 @@ def _make(folder: Path, count: int) -> None:
 
 def _alone(folder: Path, count: int) -> float:
     """Return seconds of one session in this process, where everything is compiled already."""
-    from station.campaign.sources import Request, find_sources, work_on
+    from station.campaign.sources import find_sources, work_on
     from station.campaign.work import perform
     from station.settings import Settings
 
     sources = find_sources((str(folder),), Settings())[:count]
-    works = [work_on(source.folder, Request(Settings())) for source in sources]
+    works = [work_on(source.folder, Settings(), False) for source in sources]
     perform(works[0])
     took = []
     for work in works:

@@ -1,4 +1,4 @@
-"""Numbers, empty cells, dates and times of day as people's files hold them."""
+"""Numbers, empty cells and times of day as people's files hold them."""
 
 import math
 import re

@@ -181,7 +181,7 @@ def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[s
     if "time" in options.units or time.said.unit is not None:
         return unit_of(table, time, options, "", notes)[1]
     unit, why = guess_time_unit(time.column)
-    clock = "; dates or times of day"
+    clock = "; times of day"
     assumed = f"; it names no unit: {why} (change it with --unit time=...)"
     notes.append(f"{time.column.place} read as time{clock if time.column.clock else assumed}")
     return unit

@@ -100,8 +100,10 @@ class Weighing:
             return ["u''", *(effect.equation for effect in forces)]
         m = "J" if self.unit == "rad" else "m"
         pure = [_has_mass(effect) and effect.strength.unit in ("", "1") for effect in forces]
+        parts = (effect.equation.partition(",  ") for effect in forces)
         terms = (
-            f"{m} ({e.equation})" if share else e.equation for e, share in zip(forces, pure, strict=True)
+            f"{m} ({force}){comma}{rest}" if share else f"{force}{comma}{rest}"
+            for (force, comma, rest), share in zip(parts, pure, strict=True)
         )
         return [f"{m} u''", *terms]
 
