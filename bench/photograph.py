@@ -1,6 +1,7 @@
 """Pictures of the viewer's tabs where there is no screen, for the documentation."""
 
 import contextlib
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from station.exits import Problem
 from station.views.viewer import HOST, free_port, start, wait_for
 
 PAINT_S = 12.0
+SIZE = "1600x900"
 ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers, or chromium, which brings one)"
 DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
 BROWSERS = (Path("/usr/lib/chromium"), Path("/usr/lib/chromium-browser"), Path("/opt/google/chrome"))
@@ -19,18 +21,18 @@ BROKEN = (RuntimeError, ConnectionError, OSError, ValueError)
 """What the viewer's library raises when the viewer has gone."""
 
 
-def photograph(file: Path, folder: Path, size: str = "1600x900") -> list[Path]:
+def photograph(file: Path, folder: Path) -> list[Path]:
     """Write one PNG for each tab of a recording into `folder`; return their paths in the order of the tabs."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        return _photographs(file, folder, size)
+        return _photographs(file, folder)
     except BROKEN as error:
         raise Problem(f"the viewer ended before its pictures were taken ({error}); {ADVICE}") from error
 
 
-def _photographs(file: Path, folder: Path, size: str) -> list[Path]:
+def _photographs(file: Path, folder: Path) -> list[Path]:
     pictures = []
-    with _viewer(size) as client:
+    with _viewer() as client:
         client.open(str(file.resolve()))
         layout = client.get_blueprint().blueprint
         tabs = _tabs(layout)
@@ -66,11 +68,10 @@ def _tabs(layout: dict[str, Any]) -> dict[str, str]:
 
 
 @contextlib.contextmanager
-def _viewer(size: str) -> Iterator[ViewerClient]:
+def _viewer() -> Iterator[ViewerClient]:
     port = free_port()
-    process = start(
-        "--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen", more=_driver()
-    )
+    os.environ |= _driver()
+    process = start("--headless", "--port", str(port), "--window-size", SIZE, "--hide-welcome-screen")
     try:
         wait_for(port)
         yield ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")

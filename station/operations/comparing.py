@@ -36,6 +36,5 @@ def compare_session(
     current = current_model((session,), model_file, whole_library(effects_file))
     compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)
-    if note := keep_document(session, NAME, document):
-        tell(note)
+    keep_document(session, NAME, document, tell)
     return compared, document

@@ -69,5 +69,4 @@ def diagnose_sessions(
 def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress = output.progress) -> None:
     """Write results/diagnosis.json into each session; `tell` gets a sentence on each that may not be written."""
     for session in sessions.sessions:
-        if note := keep_document(session, NAME, document):
-            tell(note)
+        keep_document(session, NAME, document, tell)

@@ -47,8 +47,7 @@ def identify_session(
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
-    if note := keep_document(session, NAME, document):
-        progress(note)
+    keep_document(session, NAME, document, progress)
     return result, document
 
 

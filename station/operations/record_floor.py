@@ -12,6 +12,7 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.results.documents import Document, keep_document, read_document
+from station.story.pipeline import silent
 
 NAME = "noise_floor.json"
 
@@ -35,5 +36,5 @@ def with_floor(session: Session, prepared: PreparedDecay) -> PreparedDecay:
         except NotIdentifiable:
             return prepared
         kept = NoiseFloor(format=1, session=session.folder.name, chi2_std=width)
-        keep_document(session, NAME, kept)
+        keep_document(session, NAME, kept, silent)  # the result that needs it tells
     return replace(prepared, floor_std=kept.chi2_std)

@@ -79,8 +79,7 @@ def validate_sessions(
     fitted_to = tuple(session.folder.name for session in given.fitted_to)
     document = validation_document(given.source, fitted_to, given.file, found, names, skipped)
     for session, _ in ready:
-        if note := keep_document(session, NAME, document):
-            progress(note)
+        keep_document(session, NAME, document, progress)
     return document
 
 

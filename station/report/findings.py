@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from daq.errors import StationError
 from daq.manifest import Manifest
+from daq.quality import Verdict
 from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
@@ -48,6 +49,11 @@ class Findings:
     curves: NamedCurves | None = None
     ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """The verdict on the recording; None where the files are in doubt."""
+        return None if self.doubt or self.manifest is None else self.manifest.verdict
 
     @property
     def weighing(self) -> Weighing:

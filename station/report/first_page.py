@@ -49,8 +49,7 @@ def _measured(found: Findings) -> tuple[Part, ...]:
         f"{channel.name}{f' by {channel.sensor}' if channel.sensor else ''} ({_calibrated(channel.calibration_uncertainty)})"
         for channel in recording.channels
     )
-    verdict = found.session.verdict if found.manifest is not None and not found.doubt else None
-    taken = "" if verdict is None else f", {verdict.grade.value}"
+    taken = "" if found.verdict is None else f", {found.verdict.grade.value}"
     seconds = recording.samples.shape[1] / recording.rate
     warning = (Paragraph(found.doubt, label="Warning", strong=True),) if found.doubt else ()
     return warning + facts(

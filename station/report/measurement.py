@@ -98,10 +98,9 @@ def _ended(reason: str) -> str:
 
 
 def _verdict(found: Findings) -> Paragraph:
-    verdict = found.session.verdict if found.manifest is not None else None
-    if verdict is None or found.doubt:
-        why = found.doubt or "the session is not sealed"
-        return Paragraph(f"none; {why}", label="Verdict on the recording", strong=True)
+    verdict = found.verdict
+    if verdict is None:
+        return Paragraph(f"none; {found.doubt}", label="Verdict on the recording", strong=True)
     reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"

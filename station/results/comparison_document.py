@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from station.results.documents import picked, plain
+from station.results.documents import FreeRunErrors, picked, plain
 from station.story.compared import Compared
 
 NAME = "comparison.json"
@@ -28,14 +28,7 @@ def comparison_document(compared: Compared) -> dict[str, Any]:
             "model_is": compared.words,
             "model_remark": compared.remark,
             "pieces": compared.pieces,
-            "error": picked(
-                compared.error,
-                "force_mse_percent",
-                "motion_percent",
-                "horizon_s",
-                chi2="chi_square",
-                chi2_std="floor_std",
-            ),
+            "error": FreeRunErrors.model_validate(compared.error),
             "one_run": picked(
                 found, force_mse_percent="force_error", motion_percent="motion_error", chi2="chi_square"
             ),

@@ -1,6 +1,7 @@
 """The base of all kept documents: numbers that JSON can hold, a version, one way to read and one to write."""
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
@@ -11,12 +12,13 @@ from daq.errors import NotWritable, StorageError
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
+from station.output import progress
 from station.story.residual import noise_multiple, residual_words
 
 LARGEST = 50 << 20
 
 Content = TypeVar("Content")
-
+Kept = TypeVar("Kept", bound="Document")
 
 Number = Annotated[
     float | None, BeforeValidator(lambda n: None if isinstance(n, float) and not math.isfinite(n) else n)
@@ -127,9 +129,6 @@ def plain(content: Content) -> Content:
     return made
 
 
-Kept = TypeVar("Kept", bound=Document)
-
-
 def read_document(session: Session, name: str, kind: type[Kept], remedy: str) -> Kept | None:
     """Return a result that a session keeps, None when it keeps none of that name.
 
@@ -150,13 +149,14 @@ def read_with_checksum(session: Session, name: str, kind: type[Kept], remedy: st
         ) from error
 
 
-def keep_document(session: Session, name: str, document: Document | dict[str, Any]) -> str | None:
-    """Write a result, whatever stands there; where the session may not be written, return a sentence to tell with it."""
+def keep_document(
+    session: Session, name: str, document: Document | dict[str, Any], tell: Callable[[str], None] = progress
+) -> None:
+    """Write a result, whatever stands there; where the session may not be written, `tell` gets a sentence."""
     try:
         session.write_result(name, to_text(document))
     except NotWritable as error:
-        return f"note: {error}; what is found is not kept"
-    return None
+        tell(f"note: {error}; what is found is not kept")
 
 
 def to_text(document: BaseModel | dict[str, Any]) -> str:

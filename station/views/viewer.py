@@ -49,15 +49,15 @@ def executable() -> str:
     return str(Path(package.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun"))
 
 
-def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Popen[bytes]":
-    """Start a viewer as a process that outlives this one, listening on 127.0.0.1 only; `more` joins its environment."""
+def start(*arguments: str) -> "subprocess.Popen[bytes]":
+    """Start a viewer as a process that outlives this one, listening on 127.0.0.1 only."""
     return subprocess.Popen(
         [executable(), *arguments, "--bind", HOST],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
-        env=os.environ | {"RUST_LOG": "error"} | (more or {}),
+        env=os.environ | {"RUST_LOG": "error"},
     )
 
 

@@ -12,6 +12,7 @@ from daq.errors import StationError
 from daq.manifest import NAME as MANIFEST
 from daq.recording import Array
 from daq.session import Session, SessionSummary, State, list_sessions
+from daq.session_reading import RAW
 from station.results.guide_document import NAME
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.view_models import Numbers
@@ -101,7 +102,7 @@ def _entry(summary: SessionSummary, with_thumbnail: bool) -> Entry:
     if info.state is not State.RECORDING and not (folder / MANIFEST).exists():
         word = "no manifest"
     notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
-    raw = folder / "raw.log"
+    raw = folder / RAW
     drawn = with_thumbnail and info.state is not State.RECORDING and raw.is_file()
     amplitude, line, problem = thumbnail_of(folder, raw.stat().st_mtime_ns) if drawn else ("", [], "")
     return Entry(folder.name, folder, date, word, problem, notes, amplitude, line)

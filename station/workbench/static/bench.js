@@ -16,7 +16,6 @@ document.documentElement.lang = "en";
   bench.scope = (now) => {
     const chart = bench.chart("scope"), zero = now.zero ?? 0;
     if (!chart || !now.points.length) return;
-    bench.scoped = now;
     const reach = Math.max(now.level ? 1.4 * now.level : 1e-9, 1.15 * Math.max(...now.points.map((p) => Math.abs(p[1] - zero))));
     const mark = (y, name, colour, type) => ({ yAxis: y, name, lineStyle: { color: bench.css(colour), type }, label: { formatter: name, color: bench.css(colour) } });
     const marks = [...(now.level ? [mark(zero + now.level, "release", "bad", "dashed"), mark(zero - now.level, "", "bad", "dashed")] : []), ...(now.zero === null ? [] : [mark(zero, now.level > 0.2 * reach ? "zero" : "", "good", "solid")])];
