@@ -106,12 +106,10 @@ def _list(as_json: bool) -> None:
 
 
 def _made_of(truth: dict[str, Any]) -> Paragraph:
-    from station.text.numbers import typeset
+    from station.operations.simulated_board import MASS_KG
 
     return Paragraph(
-        typeset(
-            f"K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s, "
-            f"lag {truth['displacement_late_s'] * 1e6:.1f} us"
-        ),
+        f"K {truth['stiffness']:.2f} N/m, c₀ {MASS_KG * truth['mu_0']:.4f} N, c₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
+        f"lag {truth['displacement_late_s'] * 1e6:.1f} µs",
         label="the simulated board was made with (which the station did not know)",
     )

@@ -53,7 +53,6 @@ def command(
     from station.results.documents import seen
     from station.results.ladder import LADDER, ladder_document, write_ladder
     from station.results.sessions import open_session
-    from station.story.preparation import weighing_of
     from station.text.ladder_text import next_command, told
     from station.text.layout import answer
 
@@ -72,9 +71,8 @@ def command(
         ladder = go_to(refinement, number)
     elif not added and (reset or model_file is not None or ladder.seen is None):
         ladder = write_ladder(opened, ladder)
-    weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
-    document = ladder_document(opened, ladder)
-    answer(as_json, document, told(ladder, weighing), *next_command(ladder, opened.folder), full=True)
+    words, document = told(ladder, refinement.weighing), ladder_document(opened, ladder)
+    answer(as_json, document, words, *next_command(ladder, opened.folder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 

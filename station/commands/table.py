@@ -41,7 +41,7 @@ def command(
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
-    tables = table.make_tables(documents)
+    tables = table.make_tables(documents, plain=as_json)
     if as_json:
         print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:

@@ -12,9 +12,10 @@ from rich.padding import Padding
 from rich.text import Text
 
 from daq.session import Session
+from identify.effects.library import find_effect
+from identify.estimate import Estimate
 from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
-from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
@@ -105,14 +106,17 @@ def solve(
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
-    show(console, diagnosis_text.told(document, Weighing(MASS_KG)))
+    show(console, diagnosis_text.told(document, refinement.weighing))
     ladder = refinement.ladder
     if document.named:
         added = " ".join(f"--add {name}" for name in document.named)
         _say(console, "3. ADD what is named", f"station refine {session.folder.name} {added}")
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
-        show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
+        show(
+            console,
+            replace(ladder_text.told(ladder, refinement.weighing), brief=(ladder_text.steps_table(ladder),)),
+        )
     else:
         _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
     return Solved(seed, session, document, ladder, json.loads(envelope)), url
@@ -152,25 +156,31 @@ def revealed(solved: Solved) -> Told:
 
 def _side_by_side(solved: Solved) -> Table:
     """Put the hidden effect's parameters beside those that were found, each with its unit."""
-    strengths = (term.strength for term in base_model().terms)
-    base = (solved.truth[key] for key in ("stiffness_per_mass", "mu_0", "mu_1"))
-    true = dict(zip(strengths, base, strict=True))
-    for effect, values in solved.truth["parameters"].items():
-        true |= {ParameterId(effect, name): value for name, value in values.items()}
-    rows = []
-    for id, value in true.items():
-        name, estimate = str(id), solved.ladder.top.parameters.get(str(id))
-        if (
-            not isinstance(value, int | float) or id.parameter == "phase"
-        ):  # it counts from another instant there
+    weighing, rows = Weighing(MASS_KG), []
+    found = solved.ladder.top.weighed(weighing)
+    for name, true in true_values(solved.truth, weighing).items():
+        estimate, exact = found.get(name), f"{true.value:.5g}"
+        if name.endswith(".phase"):  # it counts from another instant there
             continue
-        if estimate is None:
-            if id.effect == solved.truth["hidden"]:
-                rows.append((name, f"{value:.5g}", DASH))
-            continue
-        hidden = f"{value:.5g}" if not estimate.std else f"{value:.{decimals_for(estimate.std)}f}"
-        rows.append((name, hidden, with_unit(estimate)))
+        if estimate is not None:
+            hidden = f"{true.value:.{decimals_for(estimate.std)}f}" if estimate.std else exact
+            rows.append((name, hidden, with_unit(estimate)))
+        elif name.startswith(f"{solved.truth['hidden']}."):
+            rows.append((name, exact, DASH))
     return Table("", ("", "hidden", "found"), tuple(rows))
+
+
+def true_values(truth: dict[str, Any], weighing: Weighing) -> dict[str, Estimate]:
+    """Return what the board was made with, by "effect.parameter", with the mass in forces and strengths."""
+    base = zip(base_model().terms, ("stiffness_per_mass", "mu_0", "mu_1"), strict=True)
+    made = {term.effect.name: {term.strength.parameter: truth[key]} for term, key in base}
+    found: dict[str, Estimate] = {}
+    for effect, values in (made | truth["parameters"]).items():
+        units = {p.name: p.unit for p in find_effect(effect).parameters if "reading" not in p.unit}
+        numbers = {name: value for name, value in values.items() if isinstance(value, int | float)}
+        bare = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in numbers.items()}
+        found |= {f"{effect}.{name}": value for name, value in weighing.weighed(effect, bare).items()}
+    return found
 
 
 def _document(solved: Solved) -> dict[str, Any]:

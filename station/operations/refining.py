@@ -31,8 +31,9 @@ from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, wr
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
 from station.story.compared import motion_floor
+from station.story.engineering_values import Weighing
 from station.story.pipeline import Progress
-from station.story.preparation import prepare_session
+from station.story.preparation import prepare_session, weighing_of
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
@@ -41,7 +42,7 @@ Seen = Callable[[KeptLadder, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """A session's ladder with what it takes to go on: its release and the library.
+    """A session's ladder with what it takes to go on: its release, the library, and what puts the mass into strengths.
 
     `fitted` are steps that were fitted while this lives, by the text of their model.
     """
@@ -50,6 +51,7 @@ class Refinement:
     prepared: PreparedDecay
     library: tuple[Effect, ...]
     ladder: KeptLadder
+    weighing: Weighing
     fitted: dict[str, Step] = field(default_factory=dict)
 
 
@@ -80,7 +82,8 @@ def open_refinement(
             floor=floor_of(prepared, step),
             seen=replaced,
         )
-    return Refinement(session, prepared, library, ladder)
+    weighing = weighing_of(session, settings, prepared.window.unit)
+    return Refinement(session, prepared, library, ladder, weighing)
 
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:

@@ -21,7 +21,7 @@ def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
 
     kept, name = refinement.ladder, refinement.session.folder.name
     fits = tuple(step_again(refinement, step).fit for step in kept.steps[: kept.present + 1])
-    return partial(ladder.tab, name=name, ladder=kept, fits=fits, root=root)
+    return partial(ladder.tab, name=name, ladder=kept, fits=fits, weighing=refinement.weighing, root=root)
 
 
 def kept_tabs(session: Session, settings: Settings) -> tuple["Tab", ...]:

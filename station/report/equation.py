@@ -1,7 +1,7 @@
 """The section of the final equation: with letters, with numbers, and every parameter with its error and unit."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from identify.fitting.fit import Fit
 from identify.formatting import SPACE, with_error
@@ -12,7 +12,7 @@ from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence
-from station.text.numbers import per_mass, typeset, typeset_unit
+from station.text.numbers import typeset, typeset_unit
 from station.views.diagnosis_figures import measured_curve as draw_curve
 
 FAR = 4.0
@@ -34,9 +34,7 @@ def equation(found: Findings) -> list[Part]:
     weighing = found.weighing
     right = "0" if fit.windows[0].force is None else "f(t)" if weighing.mass else "f(t)/m"
     terms = weighing.terms(term.effect for term in fit.model.terms)
-    lines = [
-        _typeset_equation(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(terms, fit, weighing))
-    ]
+    lines = [_typeset_equation(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(fit, weighing))]
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
         Equation(tuple(lines)),
@@ -49,7 +47,7 @@ def equation(found: Findings) -> list[Part]:
     ]
     expressions = () if found.ladder is None else found.ladder.top.model.expressions
     for curve in measured_curves(fit, expressions):
-        parts.append(Figure(CURVE.format(curve.title, curve.over, curve.name), draw_curve(curve)))
+        parts.append(Figure(CURVE.format(curve.title, curve.over, curve.name), draw_curve(curve, weighing)))
     if len(fit.windows) > 1:
         parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)
@@ -69,10 +67,10 @@ def caution(compared: Compared) -> str:
     )
 
 
-def _numbers(terms: Sequence[str], fit: Fit, weighing: Weighing) -> Iterator[str]:
-    """Write terms with the values in place of the mass and the parameters, rounded to their errors."""
-    inertia, *forces = terms
-    yield inertia if weighing.mass is None else f"{weighing.mass:g} u''"
+def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:
+    """Write the terms with the values in place of the mass and the parameters, rounded to their errors."""
+    inertia, *forces = weighing.terms((term.effect for term in fit.model.terms), in_numbers=True)
+    yield inertia
     for text, term in zip(forces, fit.model.forces, strict=True):
         for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
             number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
@@ -94,9 +92,6 @@ def _parameters(fit: Fit, weighing: Weighing) -> Table:
         for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
             unit = typeset_unit(value.unit) or "1"
             number = with_error(value.value, value.std)
-            meaning = per_mass(fit.windows[0].unit, meanings[name])
-            if weighing.mass is not None:
-                meaning = re.sub(r",? per unit (mass|inertia)", "", meaning)
-            rows.append((term.effect.name, typeset(name), meaning, number, unit))
+            rows.append((term.effect.name, typeset(name), weighing.worded(meanings[name]), number, unit))
     head = ("effect", "parameter", "meaning", "value", "unit")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)

@@ -69,11 +69,10 @@ def _calibrated(uncertainty: float | None) -> str:
 
 def mass_words(found: Findings) -> str:
     """Write the mass, or that there is none."""
-    mass, std = found.options.mass, found.options.mass_std
-    angle = found.identification is not None and found.identification.decay.unit == "rad"
+    mass, std, unit = found.weighing.mass, found.weighing.mass_std, found.weighing.unit
     if mass is None:
-        return f"not stated: all results are per unit {'inertia' if angle else 'mass'}"
-    name = "kg m²" if angle else "kg"
+        return found.weighing.worded("not stated: all results are per unit mass")
+    name = "kg m²" if unit == "rad" else "kg"
     return f"{with_error(mass, std)} {name}" if std else f"{mass:g} {name} (its uncertainty was not stated)"
 
 
@@ -123,7 +122,7 @@ def _values(fit: Fit, found: Findings) -> Table:
     calibration = calibration_of(found.recording, None if aligned is None else aligned.gain.value)
     length = fit.windows[0].unit
     rows = []
-    for one in engineering_values(fit, mass, std):
+    for one in engineering_values(fit, found.weighing):
         parts = budget(one, calibration, share, length)
         value, unit = with_error(one.value.value, parts.readings), typeset_unit(one.value.unit) or "1"
         shares = [_part(part, NOT_STATED) for part in (parts.calibration, parts.mass)]

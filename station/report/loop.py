@@ -6,10 +6,9 @@ from identify.curves.laid_over import DecayCurves
 from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
 from station.story.compared import Compared
-from station.story.preparation import length_unit
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts
-from station.text.numbers import per_mass, typeset, with_unit
+from station.text.numbers import typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.palette import PAPER, Look
 
@@ -57,7 +56,7 @@ def suspects(found: Findings) -> list[Part]:
             "The force that the model lacks over the cycle (0°: farthest out), and what the best suspects would add. "
             "The right one looks like the first picture."
         )
-        parts.append(Figure(caption, diagnosis_figures.force_maps(found.maps, length_unit(found.recording))))
+        parts.append(Figure(caption, diagnosis_figures.force_maps(found.maps, found.weighing)))
     elif "force_maps" in found.left_out:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     if found.curves is not None:
@@ -67,7 +66,7 @@ def suspects(found: Findings) -> list[Part]:
         caption = (
             f"The missing force in free form; it explains {100 * shape.explained:.0f} % of the residual."
         )
-        parts.append(Figure(caption, diagnosis_figures.shape(shape.curves[0], length_unit(found.recording))))
+        parts.append(Figure(caption, diagnosis_figures.shape(shape.curves[0], found.weighing)))
     known = document.suspects[0].confusable_with if document.named and document.suspects else []
     confused = f"{', '.join(known)}; a record of another kind separates them" if known else ""
     return [*parts, *words.more[1:], *facts([("easily confused", confused)])]
@@ -122,7 +121,10 @@ def methods(found: Findings) -> list[Part]:
         return [*why]
     words = Paragraph(identification_text.told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit
-    offset = "" if force is None else f"{force.source}; constant {per_mass(length)} {with_unit(force.offset)}"
+    offset = ""
+    if force is not None:
+        constant = with_unit(result.weighing.strength(force.offset))
+        offset = f"{force.source}; constant {result.weighing.worded()} {constant}"
     parts: list[Part] = [
         words,
         identification_text.methods_table(result, full=True),
@@ -143,6 +145,9 @@ def methods(found: Findings) -> list[Part]:
     parts.append(Figure(caption, identification_figures.orders(result)))
     if force is not None:
         parts.append(
-            Figure("Sections of the restoring force surface.", identification_figures.sections(force, length))
+            Figure(
+                "Sections of the restoring force surface.",
+                identification_figures.sections(force, result.weighing),
+            )
         )
     return parts

@@ -9,6 +9,7 @@ from daq.storage import digest
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Number, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value
+from station.story.engineering_values import Weighing
 from station.story.residual import reaches_floor
 
 LADDER = "ladder.json"
@@ -58,6 +59,14 @@ class KeptStep(Part):
     def parameters(self) -> dict[str, Value]:
         """All parameters by "effect.parameter"."""
         return self.model.parameters
+
+    def weighed(self, weighing: Weighing) -> dict[str, Any]:
+        """Return the same with the mass in forces and strengths."""
+        return {
+            f"{entry.effect}.{name}": value
+            for entry in self.model.effects
+            for name, value in weighing.weighed(entry.effect, entry.parameters).items()
+        }
 
 
 class KeptLadder(Document):

@@ -1,10 +1,12 @@
 """The values that a test report quotes: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
@@ -75,30 +77,43 @@ class Weighing:
     unit: str = "m"
 
     @property
+    def newtons(self) -> tuple[float, str]:
+        """The factor from a force per unit mass to the force that is shown, and its unit."""
+        shown = DiscrepancyText(self.unit, self.mass)
+        return shown.force_scale, shown.force_unit
+
+    @property
     def words(self) -> str:
         """What forces and strengths are where no mass is known; "" where it is."""
-        per = "inertia" if self.unit == "rad" else "mass"
-        return "" if self.mass is not None else f"per unit {per}: the {per} is not given"
+        return "" if self.mass is not None else self.worded("per unit mass: the mass is not given")
+
+    def worded(self, words: str = "force per unit mass") -> str:
+        """Write words of forces per unit mass as what is shown: forces with a mass, torques and inertias of angles."""
+        shown = words if self.mass is None else re.sub(r",? per unit mass", "", words)
+        return shown.replace("force", "torque").replace("mass", "inertia") if self.unit == "rad" else shown
+
+    def strength(self, found: Any) -> Any:
+        """Return a strength (or None) with the mass in it, where both are known and the strength is no pure number."""
+        if self.mass is None or found is None or found.value is None:
+            return found
+        bare = Estimate(found.value, math.nan if found.std is None else found.std, found.unit)
+        return times_mass(bare, self.mass, self.mass_std, self.unit) or found
 
     def weighed(self, effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Return the parameters of an effect with the mass in its strength, the first of them, if it is a force.
 
         What changes a parameter of another effect is relative to that, and has no mass in it.
         """
-        name, found = next(iter(parameters.items()), ("", None))
         other = any(e.name == effect and not _has_mass(e) for e in LIBRARY)
-        if self.mass is None or other or found is None or found.value is None:
-            return dict(parameters)
-        error = math.nan if found.std is None else found.std
-        whole = times_mass(Estimate(found.value, error, found.unit), self.mass, self.mass_std, self.unit)
-        return dict(parameters) | ({} if whole is None else {name: whole})
+        first = () if other else list(parameters.items())[:1]
+        return dict(parameters) | {name: self.strength(found) for name, found in first}
 
-    def terms(self, effects: Iterable[Effect]) -> list[str]:
-        """Write the terms of an equation of motion, the inertia first: forces where the mass is known."""
+    def terms(self, effects: Iterable[Effect], *, in_numbers: bool = False) -> list[str]:
+        """Write the terms of an equation of motion, the inertia first: forces where the mass is known, as m or a number."""
         forces = [effect for effect in effects if isinstance(effect, ForceEffect)]
         if self.mass is None:
             return ["u''", *(effect.equation for effect in forces)]
-        m = "J" if self.unit == "rad" else "m"
+        m = f"{self.mass:g}" if in_numbers else "J" if self.unit == "rad" else "m"
         pure = [_has_mass(effect) and effect.strength.unit in ("", "1") for effect in forces]
         parts = (effect.equation.partition(",  ") for effect in forces)
         terms = (
@@ -115,24 +130,23 @@ def _has_mass(effect: Effect) -> bool:
 UNKNOWN = Weighing()
 
 
-def engineering_values(
-    fit: Fit, mass: float | None, mass_std: float | None = None
-) -> tuple[EngineeringValue, ...]:
-    """List the quoted values of a fit: strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
+def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, ...]:
+    """List the quoted values of a fit: strengths in N, kg and s where the mass is known, frequency and damping.
 
     The frequency is that of the undamped spring, the damping ratio and the logarithmic decrement those of the viscous
     part: mu_1/(2 w) and 2 pi zeta/sqrt(1 - zeta^2), with w^2 the stiffness per unit mass.
     """
-    unit = fit.windows[0].unit
     found = []
     for term in fit.model.forces:
         value = fit.of(term, 0)[term.effect.strength.name]
         part = term.force.linear_part
-        name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
+        name = (
+            (_NAMES_OF_ANGLES if weighing.unit == "rad" else _NAMES).get(part) if part is not None else None
+        )
         if part is None:
             name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
-        whole = None if mass is None or term.force.relative else times_mass(value, mass, mass_std, unit)
-        found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
+        whole = value if term.force.relative else weighing.strength(value)
+        found.append(EngineeringValue(str(name), whole, None if whole is value else value))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}
         found += [
@@ -155,8 +169,6 @@ def _of_the_oscillation(fit: Fit) -> tuple[EngineeringValue, ...]:
         return (frequency,)
     zeta = mu_1.value / (2.0 * omega)
     zeta_std = math.hypot(mu_1.std / (2.0 * omega), zeta * omega_std / omega)
-    if not abs(zeta) < 1.0:
-        return (frequency, EngineeringValue("damping ratio", Estimate(zeta, zeta_std, "1")))
     root = math.sqrt(1.0 - zeta * zeta)
     decrement = Estimate(2.0 * math.pi * zeta / root, 2.0 * math.pi * zeta_std / root**3, "1")
     return (

@@ -11,6 +11,7 @@ from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.adequacy import Adequacy
+from station.story.engineering_values import Weighing
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,11 @@ class Identification:
     restoring_force: RestoringForceResult | None
     refusals: dict[str, str]
     adequacy: Adequacy | None = None
+
+    @property
+    def weighing(self) -> Weighing:
+        """What puts the mass into forces and strengths."""
+        return Weighing(self.decay.mass, self.decay.mass_std, self.decay.unit)
 
     @property
     def lost_samples(self) -> int:

@@ -10,7 +10,7 @@ from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument
 from station.results.documents import EstimateDocument
-from station.story.engineering_values import UNKNOWN, Weighing
+from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
@@ -35,11 +35,8 @@ def tone_of(document: DiagnosisDocument) -> Tone:
     return TONES.get(document.verdict, "bad")
 
 
-def told(document: DiagnosisDocument, weighing: Weighing = UNKNOWN, *, full: bool = False) -> Told:
-    """Tell a diagnosis; with a `weighing` the strengths of what is named are in N, kg and s.
-
-    `full` puts all suspects into the table, with the reason for each.
-    """
+def told(document: DiagnosisDocument, weighing: Weighing, *, full: bool = False) -> Told:
+    """Tell a diagnosis; `full` puts all suspects into the table, with the reason for each."""
     named, few = bool(document.named), FEW_SUSPECTS if document.named else FEW_SUSPECTS - 1
     brief: list[Part] = []
     if document.noise_floor is not None:
@@ -146,7 +143,7 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
     return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
 
 
-def parameters(found: SuspectDocument, weighing: Weighing = UNKNOWN) -> str:
+def parameters(found: SuspectDocument, weighing: Weighing) -> str:
     """Write the values of a suspect, and of a sensor's fault the channel that it is in."""
     values = [STRENGTH_UNKNOWN]
     if found.strength_known:

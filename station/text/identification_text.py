@@ -1,14 +1,15 @@
 """An identification in words: whether its values may be quoted, both methods side by side, and why."""
 
+from dataclasses import replace
+
 from identify.estimate import Estimate
-from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
+from identify.formatting import DASH, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
-from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import noise_scale, typeset, typeset_unit
+from station.text.numbers import damping_label, noise_scale, typeset, typeset_unit
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -38,8 +39,8 @@ def next_command(result: Identification) -> str:
 def _facts(result: Identification) -> list[tuple[str, str]]:
     decay, release, found = result.decay, result.release, result.adequacy
     names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
-    kind, unit = ("inertia", "kg m²") if decay.unit == "rad" else ("mass", "kg")
-    mass = f"{decay.mass:g} {unit}" if decay.mass is not None else f"{kind} not given: per unit {kind}"
+    unit = "kg m²" if decay.unit == "rad" else "kg"
+    mass = result.weighing.words or f"{decay.mass:g} {unit}"
     given = ", taken as exact" if decay.rate_std is None else ""
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
@@ -89,7 +90,8 @@ def methods_table(result: Identification, *, full: bool = False) -> Table:
             method.damping[order] if method is not None and order < len(method.damping) else None
             for method in both
         ]
-        rows += _damping_rows(damping_name(order), values, result)
+        weighed = [result.weighing.strength(value) for value in values]
+        rows.append(_row(damping_label(order, result.weighing), weighed))
     highest = {order for method in both if method is not None for order in method.stiffness_by_order}
     for order in sorted(highest - {1}):
         values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
@@ -106,20 +108,6 @@ def methods_table(result: Identification, *, full: bool = False) -> Table:
     heads = ("wavelet", "restoring force")
     head = ("do not quote" if doubt else "", "unit", *heads, "apart, σ")
     return Table("", head, tuple(rows), texts=2, marks=("weak" if doubt else "",) * len(rows))
-
-
-def _damping_rows(name: str, values: list[Estimate | None], result: Identification) -> list[tuple[str, ...]]:
-    """Write a damping in N, kg and s with the same per unit mass under it; only the latter where no mass is known."""
-    decay = result.decay
-    plain, _, symbol = name.rpartition(" ")
-    if decay.mass is None:
-        return [_row(f"{plain} {typeset(symbol)}", values)]
-    mass, std = decay.mass, decay.mass_std
-    whole = [None if value is None else times_mass(value, mass, std, decay.unit) for value in values]
-    per = "per unit inertia" if decay.unit == "rad" else "per unit mass"
-    if not any(whole):
-        return [_row(f"{plain} {typeset(symbol)}, {per}", values)]
-    return [_row(plain, whole), _row(f"  {typeset(symbol)}, {per}", values)]
 
 
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, ...]:
@@ -149,9 +137,8 @@ def uncorrected(result: Identification) -> str:
     found, aligned = result.restoring_force, result.alignment
     if found is None or aligned is None or len(found.damping) < 2 or result.decay.displacement is None:
         return ""
-    right = found.damping[1]
-    wrong = right.value + found.stiffness_per_mass.value * aligned.lag.value
-    return (
-        f"the restoring force would have given μ₁ = {wrong:.3f} {right.unit} instead of "
-        f"{right.value:.3f} {right.unit}"
-    )
+    right, weighing = found.damping[1], result.weighing
+    wrong = replace(right, value=right.value + found.stiffness_per_mass.value * aligned.lag.value)
+    values = (weighing.strength(one) for one in (wrong, right))
+    said = " instead of ".join(f"{one.value:.4g} {typeset_unit(one.unit)}" for one in values)
+    return f"the restoring force would have given {damping_label(1, weighing)} = {said}"

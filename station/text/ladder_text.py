@@ -5,7 +5,7 @@ from pathlib import Path
 
 from identify.formatting import three_figures
 from station.results.ladder import KeptLadder, KeptStep
-from station.story.engineering_values import UNKNOWN, Weighing
+from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
@@ -15,11 +15,8 @@ MOST_CHANGED, FEW_CHANGED = 3, 2
 NOTICED = 2.0
 
 
-def told(ladder: KeptLadder, weighing: Weighing = UNKNOWN) -> Told:
-    """Tell a ladder up to the present step, and which steps are above it.
-
-    With a `weighing` the strengths that changed are in N, kg and s.
-    """
+def told(ladder: KeptLadder, weighing: Weighing) -> Told:
+    """Tell a ladder up to the present step, and which steps are above it."""
     changed: list[str] = []
     if ladder.present > 0:
         changed = changed_parameters(ladder.steps[ladder.present - 1], ladder.top, weighing)
@@ -65,11 +62,7 @@ def step_words(step: KeptStep) -> str:
 def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing) -> list[str]:
     """List the parameters that the step added, and those that it changed most, in standard errors of the fit before."""
     found = []
-    weighed = {
-        f"{entry.effect}.{name}": with_unit(value)
-        for entry in after.model.effects
-        for name, value in weighing.weighed(entry.effect, entry.parameters).items()
-    }
+    weighed = {name: with_unit(value) for name, value in after.weighed(weighing).items()}
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         if old is None:

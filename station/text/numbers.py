@@ -5,7 +5,8 @@ import re
 from collections.abc import Mapping
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import DASH, SPACE, Estimated, quantities, quantity
+from identify.formatting import DASH, SPACE, Estimated, damping_name, quantities, quantity
+from station.story.engineering_values import Weighing
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -80,9 +81,10 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
 
 
-def per_mass(unit: str, words: str = "force per unit mass") -> str:
-    """Write words of forces and masses as those of torques and inertias where the displacement is an angle."""
-    return words.replace("force", "torque").replace("mass", "inertia") if unit.startswith("rad") else words
+def damping_label(order: int, weighing: Weighing) -> str:
+    """Name the damping of an order: by μ as in the paper, with a mass by c, which is the mass times μ."""
+    name = typeset(damping_name(order))
+    return name if weighing.mass is None else name.replace("μ", "c")
 
 
 # Typeset: raised powers, Greek letters, powers of ten.

@@ -9,9 +9,12 @@ from typing import Any
 from rich.console import Console
 
 from identify.formatting import DASH, SPACE, with_error
+from station.results import documents
+from station.results.documents import EstimateDocument
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
-from station.text.numbers import scale, typeset, typeset_unit
+from station.text.numbers import damping_label, scale, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -30,7 +33,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Tables:
-    """Both tables as they are in JSON: a row for each release, and a row for each method.
+    """Both tables: a row for each release, and a row for each method.
 
     `units` are those of the parameters, by name; a cell is an estimate, or a mean with its standard deviation, or None.
     A release is not `quotable` where the identified model does not explain the record, or the methods disagree.
@@ -51,11 +54,11 @@ class Tables:
         return "" if all(row["quotable"] for row in self.table_1) else DO_NOT_QUOTE
 
 
-def make_tables(documents: list[dict[str, Any]]) -> Tables:
-    """Make both tables of identified sessions, which share their units."""
-    cells = [_cells_of(document) for document in documents]
-    units = {key.partition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
-    units = {name: units[name] for name in sorted(units, key=lambda name: (name == "K", name))}
+def make_tables(documents: list[dict[str, Any]], *, plain: bool = False) -> Tables:
+    """Make both tables of identified sessions, which share their units; `plain` ones are for JSON, by mu_i per unit mass."""
+    cells = [_cells_of(document, plain) for document in documents]
+    units = {key.rpartition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
+    units["K"] = units.pop("K")
     keys = [f"{name} ({label})" for name in units for label in METHODS]
     table_1: list[Row] = [
         {
@@ -74,13 +77,17 @@ def make_tables(documents: list[dict[str, Any]]) -> Tables:
     return Tables(units, table_1, table_2)
 
 
-def _cells_of(document: dict[str, Any]) -> dict[str, Row]:
+def _cells_of(document: dict[str, Any], plain: bool) -> dict[str, Row]:
     """Return the estimates of a session by "K (WT)"."""
-    found = {}
+    found, record = {}, document["record"]
+    weighing = UNKNOWN if plain else Weighing(record["mass_kg"], record["mass_std_kg"], record["unit"])
     for label, method in zip(METHODS, (document["wavelet"], document["restoring_force"]), strict=True):
         if method is not None:
             found[f"K ({label})"] = method["stiffness"]
-            found |= {f"mu_{order} ({label})": one for order, one in enumerate(method["damping"])}
+            for order, one in enumerate(method["damping"]):
+                name = f"mu_{order}" if plain else damping_label(order, weighing).rpartition(" ")[2]
+                whole = weighing.strength(EstimateDocument.model_validate(one))
+                found[f"{name} ({label})"] = documents.plain(whole)
     return found
 
 

@@ -10,10 +10,12 @@ from identify.arrays import Array
 from identify.curves.decay_curve import AmplitudeCurve
 from identify.curves.laid_over import DecayCurves, LaidOver
 from identify.diagnosis.force_map import ForceMap
+from identify.estimate import Estimate
 from identify.formatting import plain_name
 from station.results.diagnosis_parts import CurveDocument
+from station.story.engineering_values import Weighing
 from station.story.measured_curves import MeasuredCurve
-from station.text.numbers import per_mass, scale, scale_as_recorded
+from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal
 from station.views.palette import PAPER, Look
 
@@ -28,19 +30,20 @@ ROOM = 0.06
 BAND = 2.0
 
 
-def force_maps(maps: Sequence[tuple[str, ForceMap]], unit: str) -> Picture:
+def force_maps(maps: Sequence[tuple[str, ForceMap]], weighing: Weighing) -> Picture:
     """Draw the mean force over the phase of the cycle: what the model lacks, then what each suspect would add."""
+    size, unit = weighing.newtons
     drawn, axes = figure(PAPER, 2.1, 1, len(maps), sharey=True, width=min(6.9, 1.9 * len(maps) + 0.6))
     for axis, (name, found) in zip(axes, maps, strict=True):
         degrees = np.degrees(0.5 * (found.phase[1:] + found.phase[:-1]))
         axis.axhline(0, color=PAPER.faint, lw=0.7)
-        axis.plot(degrees, found.large, color=PAPER.second, lw=1.5, label="large cycles")
-        axis.plot(degrees, found.small, color=PAPER.model, lw=1.3, ls="--", label="small cycles")
+        axis.plot(degrees, found.large * size, color=PAPER.second, lw=1.5, label="large cycles")
+        axis.plot(degrees, found.small * size, color=PAPER.model, lw=1.3, ls="--", label="small cycles")
         axis.set(xlabel="phase of the cycle [°]", xticks=range(0, 361, 90), xlim=(0, 360))
         axis.set_title(literal(fill(plain_name(name), 20)), fontsize=8)
-    reach = _reach(maps[0][1])
+    reach = size * _reach(maps[0][1])
     axes[0].set_ylim(-1.5 * reach, 1.5 * reach)
-    axes[0].set_ylabel(literal(f"force per unit\nmass [{unit}/s^2]"))
+    axes[0].set_ylabel(literal(f"{weighing.worded()}\n[{unit}]"))
     axes[0].legend(loc="upper right", fontsize=7)
     return drawn
 
@@ -50,22 +53,25 @@ def _reach(found: ForceMap) -> float:
     return float(np.nanmax(values)) if np.isfinite(values).any() and np.nanmax(values) > 0 else 1.0
 
 
-def shape(curve: CurveDocument, unit: str) -> Picture:
-    """Draw the free form of a force that has no name, with two standard errors; `unit` is that of the displacement."""
+def shape(curve: CurveDocument, weighing: Weighing) -> Picture:
+    """Draw the free form of a force that has no name, with two standard errors."""
+    size, unit = weighing.newtons
     position, force, std = (
         np.array(one, dtype=float) for one in (curve.position, curve.force_per_mass, curve.std)
     )
-    drawn, axis = _along(position, force, std, curve.unit, PAPER)
+    drawn, axis = _along(position, size * force, size * std, curve.unit, PAPER)
     axis.set_xlabel(literal(f"{curve.coordinate} {axis.get_xlabel()}"))
-    axis.set_ylabel(f"missing {per_mass(unit)}\n(band: 2 std. errors)")
+    axis.set_ylabel(literal(f"missing {weighing.worded()}\n[{unit}] (band: 2 std. errors)"))
     return drawn
 
 
-def measured_curve(curve: MeasuredCurve, look: Look = PAPER) -> Picture:
+def measured_curve(curve: MeasuredCurve, weighing: Weighing, look: Look = PAPER) -> Picture:
     """Draw a measured curve of a model, with two standard errors."""
-    drawn, axis = _along(curve.position, curve.value, curve.std, curve.unit, look)
+    one = weighing.strength(Estimate(1.0, 0.0, curve.value_unit))
+    drawn, axis = _along(curve.position, one.value * curve.value, one.value * curve.std, curve.unit, look)
     axis.set_xlabel(literal(f"{curve.over} {axis.get_xlabel()}"))
-    axis.set_ylabel(literal(f"measured curve, per unit mass\n[{curve.value_unit}] (band: 2 std. errors)"))
+    words = weighing.worded("measured curve, per unit mass")
+    axis.set_ylabel(literal(f"{words}\n[{one.unit}] (band: 2 std. errors)"))
     return drawn
 
 

@@ -11,8 +11,9 @@ from identify.arrays import Array
 from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.story.engineering_values import Weighing
 from station.story.identification import Identification
-from station.text.numbers import per_mass, scale, scale_as_recorded
+from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import PAPER, Look
 
@@ -152,8 +153,9 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     axis.set(xlabel="share of the variance [%]", title="significance")
 
 
-def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:
+def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER) -> Picture:
     """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
+    length, (size, unit) = weighing.unit, weighing.newtons
     factor, name = scale("displacement", length)
     drawn, axes = figure(look, 2.3, 1, 2)
     first = (found.section_zero_velocity, factor, f"displacement [{name}]", "at velocity 0: the springs")
@@ -162,11 +164,11 @@ def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Pi
     )  # fmt: skip
     for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
         x = cut.position * factor
-        points(axis, x, cut.force, cut.std, "o", look.measured, "measured, 2 std. errors")
-        axis.plot(x, cut.fit, color=look.model, lw=1.4, label="fit")
+        points(axis, x, cut.force * size, cut.std * size, "o", look.measured, "measured, 2 std. errors")
+        axis.plot(x, cut.fit * size, color=look.model, lw=1.4, label="fit")
         zero_lines(axis, look)
         axis.set(xlabel=literal(label), title=title)
-    axes[0].set_ylabel(literal(f"{per_mass(length)} [{length}/s²]"))
+    axes[0].set_ylabel(literal(f"{weighing.worded()} [{unit}]"))
     axes[0].legend(loc="upper left")
     return drawn
 

@@ -6,6 +6,7 @@ import rerun.blueprint as rrb
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
 from station.results.ladder import KeptLadder
+from station.story.engineering_values import Weighing
 from station.story.measured_curves import measured_curves
 from station.text import ladder_text
 from station.text.content import Equation, Paragraph, facts, markdown
@@ -18,7 +19,13 @@ from station.views.palette import Look
 
 
 def tab(
-    stream: rr.RecordingStream, look: Look, name: str, ladder: KeptLadder, fits: tuple[Fit, ...], root: str
+    stream: rr.RecordingStream,
+    look: Look,
+    name: str,
+    ladder: KeptLadder,
+    fits: tuple[Fit, ...],
+    weighing: Weighing,
+    root: str,
 ) -> rrb.Container:
     """Show each step of the ladder of the session `name` under a path of its own, the present one in front.
 
@@ -32,9 +39,11 @@ def tab(
         motion = log.picture(stream, "The model closes in on the measurement", f"{here}/motion", drawn)
         up_to = ladder.with_(steps=ladder.steps[: place + 1], present=place)
         up_to = up_to if place == len(fits) - 1 else up_to.with_(stopped_because="")
-        words = [log.markdown(stream, "This step", f"{here}/summary", _summary(name, up_to))]
+        words = [
+            log.markdown(stream, "This step", f"{here}/summary", _summary(name, up_to, fits[place], weighing))
+        ]
         for curve in measured_curves(fits[place], expressions)[-1:]:
-            drawn = measured_curve(curve, look)
+            drawn = measured_curve(curve, weighing, look)
             words.append(log.picture(stream, "The measured curve", f"{here}/curve", drawn))
         column = rrb.Vertical(*words, row_shares=[1.6, 1.0][: len(words)])
         return rrb.Horizontal(motion, column, column_shares=[2.0, 1.0], name=names[place])
@@ -42,10 +51,11 @@ def tab(
     return rrb.Tabs(*map(shown, range(len(fits))), active_tab=len(fits) - 1, name="Ladder")
 
 
-def _summary(name: str, ladder: KeptLadder) -> str:
+def _summary(name: str, ladder: KeptLadder, fit: Fit, weighing: Weighing) -> str:
     """Tell a step as markdown: the ladder up to it, what changed, and the model with its values."""
-    step, words = ladder.top, ladder_text.told(ladder)
-    model = Paragraph(" + ".join(plain_name(effect) for effect in step.effects))
-    values = facts((parameter, with_unit(value)) for parameter, value in step.parameters.items())
-    parts = (*words.brief, *words.more, model, Equation((step.model.equation,)), *values)
+    step, words = ladder.top, ladder_text.told(ladder, weighing)
+    model = Paragraph(" + ".join(plain_name(effect) for effect in step.effects), weighing.words)
+    equation = Equation((f"{' + '.join(weighing.terms(term.effect for term in fit.model.terms))} = 0",))
+    values = facts((parameter, with_unit(value)) for parameter, value in step.weighed(weighing).items())
+    parts = (*words.brief, *words.more, model, equation, *values)
     return f"# {name}, step {ladder.present}\n\n{words.headline}\n\n{markdown(parts)}"

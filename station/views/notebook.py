@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.results.diagnosis_pictures import MOST, force_maps
-from station.text.numbers import per_mass
+from station.story.engineering_values import Weighing
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER
@@ -57,7 +57,8 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
     axes[1].plot(motion.displacement, prepared.restoring, ".", color=MEASURED, markersize=1.5)
     axes[1].set(
-        xlabel=literal(f"displacement [{unit}]"), ylabel=literal(f"restoring {per_mass(unit)} [{unit}/s²]")
+        xlabel=literal(f"displacement [{unit}]"),
+        ylabel=literal(f"restoring {Weighing(unit=unit).worded()} [{unit}/s²]"),
     )
     return picture
 
@@ -69,7 +70,7 @@ def _wavelet(found: WaveletResult) -> Picture:
 
 @_drawn.register
 def _restoring_force(found: RestoringForceResult) -> Picture:
-    return identification_figures.sections(found, found.offset.unit.partition("/")[0])
+    return identification_figures.sections(found, Weighing(unit=found.offset.unit.partition("/")[0]))
 
 
 @_drawn.register
@@ -77,7 +78,9 @@ def _diagnosis(found: Diagnosis) -> Picture:
     place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
     prepared, base = found.baseline.decays[place], found.baseline.fit
     best = [(s.term, s.fit) for s in found.suspects if s.effect.name in s.fit.model][:MOST]
-    return diagnosis_figures.force_maps(force_maps(prepared, base, best, place), prepared.window.unit)
+    return diagnosis_figures.force_maps(
+        force_maps(prepared, base, best, place), Weighing(unit=prepared.window.unit)
+    )
 
 
 @_drawn.register

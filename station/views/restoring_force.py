@@ -5,8 +5,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.restoring_force.restoring_force import RestoringForceResult
+from station.story.engineering_values import Weighing
 from station.story.identification import Identification
-from station.text.numbers import per_mass, scale
+from station.text.numbers import scale, typeset
 from station.views import identification_figures as figures, log, palette
 from station.views.palette import Look
 from station.views.tabs import refused
@@ -20,8 +21,7 @@ def tab(stream: rr.RecordingStream, look: Look, name: str, result: Identificatio
     found = result.restoring_force
     if found is None:
         return refused(stream, "Restoring force", result.refusals.get("restoring_force", ""))
-    length = result.decay.unit
-    _draw_surface(stream, found, length)
+    _draw_surface(stream, found, result.weighing)
     surface = rrb.Spatial3DView(
         origin=ROOT,
         name="Restoring force surface (points: measured)",
@@ -32,20 +32,23 @@ def tab(stream: rr.RecordingStream, look: Look, name: str, result: Identificatio
     )
     title = "Error against order by both methods, and significance of the terms"
     pictures = rrb.Vertical(
-        log.picture(stream, "Sections", "/restoring_force/sections", figures.sections(found, length, look)),
+        log.picture(
+            stream, "Sections", "/restoring_force/sections", figures.sections(found, result.weighing, look)
+        ),
         log.picture(stream, title, "/restoring_force/orders", figures.orders(result, look)),
     )
     return rrb.Horizontal(surface, pictures, column_shares=[1, 1.05], name="Restoring force")
 
 
-def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
+def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, weighing: Weighing) -> None:
     """Draw the surface and the measured points in a cube: displacement, velocity and force each from -1 to 1."""
     import matplotlib  # which the figures have loaded blind to the working folder
 
-    measured = (found.displacement, found.velocity, found.force)
+    length, (size, newton) = weighing.unit, weighing.newtons
+    measured = (found.displacement, found.velocity, size * found.force)
     reach = np.array([_round_up(np.max(np.abs(values))) for values in measured])
     vertices, triangles = figures.mesh(found)
-    placed = np.clip(vertices / reach, -1.2, 1.2)
+    placed = np.clip(vertices * (1.0, 1.0, size) / reach, -1.2, 1.2)
     every = max(1, len(found.force) // MOST_POINTS)
     points = np.column_stack(measured)[::every] / reach
     steps = np.linspace(-1, 1, 5)
@@ -57,7 +60,7 @@ def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, lengt
     names = [
         f"displacement ± {reach[0] * factor:g} {unit}",
         f"velocity ± {reach[1]:g} {length}/s",
-        f"{per_mass(length)} ± {reach[2]:g} {length}/s²",
+        typeset(f"{weighing.worded()} ± {reach[2]:g} {newton}"),
     ]
     for part, drawn in (
         (

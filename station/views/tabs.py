@@ -9,7 +9,7 @@ from station.story.identification import Identification
 from station.text.content import markdown
 from station.text.identification_text import lag_words, told, uncorrected
 from station.text.layout import sentence
-from station.text.numbers import per_mass, scale
+from station.text.numbers import scale
 from station.views import identification_figures as figures, log, palette
 from station.views.overlay import alignment as picture_of_lag, overlay
 from station.views.palette import Look
@@ -130,9 +130,9 @@ def results(stream: rr.RecordingStream, look: Look, name: str, result: Identific
         views += _rebuilt(stream, "decay", time, result.rebuilt_decay(result.wavelet), units, palette.WAVELET)
     force = result.restoring_force
     if force is not None:
-        unit = (1.0, f"{length}/s^2")
+        unit, words = result.weighing.newtons, result.weighing.worded()
         pair = (force.force, force.force_fit)
-        views += _rebuilt(stream, per_mass(length), force.time, pair, (unit, unit), palette.FORCE)
+        views += _rebuilt(stream, words, force.time, pair, (unit, unit), palette.FORCE)
     words = f"**{found.headline}**\n\n{markdown(found.brief)}"
     text = log.markdown(stream, "Both methods", "/results/table", words)
     if not views:

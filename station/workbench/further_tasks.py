@@ -9,21 +9,17 @@ import numpy as np
 from daq.exporting import Exported, encode
 from daq.recording import Array, Channel, Recording
 from daq.session import Session
-from identify.effects.library import find_effect
-from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.formatting import SPACE, quantity
-from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations import examples
 from station.operations.exporting import facts_of
 from station.operations.identifying import identify_session, kept_options, write_view
-from station.operations.mystery import hidden_words, what_was_hidden
+from station.operations.mystery import hidden_words, true_values, what_was_hidden
+from station.operations.refining import Refinement
 from station.operations.viewer_tabs import kept_tabs
 from station.report.write import write_report
 from station.results.ladder import read_ladder
-from station.results.models import ModelFile
 from station.settings import Settings
-from station.story.engineering_values import Weighing
 from station.story.preparation import weighing_of
 from station.text.numbers import with_names
 from station.views.viewer import unpack
@@ -36,24 +32,16 @@ def export(settings: Settings, say: Say, folder: Path) -> str:
     """Write the aligned channels, the present model and the residuals as CSV."""
     say("writing the samples")
     opened = open_session(settings, folder)
-    refinement = opened.refinement
-    model, weighing = (
-        refinement.ladder.top.model,
-        weighing_of(refinement.session, settings, refinement.prepared.window.unit),
-    )
-    exported = fitted_samples(refinement.session, refinement.prepared, opened.present_fit(), model, weighing)
-    return encode(exported, "csv").decode()
+    return encode(fitted_samples(opened.refinement, opened.present_fit()), "csv").decode()
 
 
-def fitted_samples(
-    session: Session, prepared: PreparedDecay, fit: Fit, stated: ModelFile, weighing: Weighing
-) -> Exported:
+def fitted_samples(refinement: Refinement, fit: Fit) -> Exported:
     """Gather the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
 
     The motion is on one clock (the lag corrected). Readings that did not count are not a number. The facts have the values
     of the model as they are `stated` everywhere, and the release's own: where it starts, and how its sensors are off.
     """
-    window, motion = fit.windows[0], prepared.motion
+    window, motion, stated = fit.windows[0], refinement.prepared.motion, refinement.ladder.top.model
     units = {
         "displacement": window.unit,
         "velocity": f"{window.unit}/s",
@@ -75,13 +63,13 @@ def fitted_samples(
     )
     facts = {"model": " + ".join(stated.names)}
     for entry in stated.effects:
-        known = weighing.weighed(entry.effect, entry.parameters)
+        known = refinement.weighing.weighed(entry.effect, entry.parameters)
         facts |= {f"fitted {entry.effect}.{name}": quantity(value) for name, value in known.items()}
     for name, own in fit.nuisances.items():
         start = name in ("displacement", "velocity") or ".state" in name
         facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))
     facts = {name: text.replace(SPACE, " ") for name, text in facts.items()}
-    return Exported(recording, facts_of(session) | facts)
+    return Exported(recording, facts_of(refinement.session) | facts)
 
 
 def reveal(settings: Settings, say: Say, folder: Path) -> str:
@@ -89,10 +77,13 @@ def reveal(settings: Settings, say: Say, folder: Path) -> str:
     session = Session.open(folder)
     truth, ladder = what_was_hidden(session), read_ladder(session)
     hidden = truth["hidden"]
-    units = {p.name: p.unit for p in find_effect(hidden).parameters if "reading" not in p.unit}
-    known = truth["parameters"].get(hidden, {}).items()
-    true = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in known}
-    values = ", ".join(with_names(weighing_of(session, settings, "m").weighed(hidden, true)))
+    true = true_values(truth, weighing_of(session, settings, "m"))
+    own = {
+        name.removeprefix(f"{hidden}."): value
+        for name, value in true.items()
+        if name.startswith(f"{hidden}.")
+    }
+    values = ", ".join(with_names(own))
     words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
     found = ladder is not None and hidden in ladder.top.effects
     return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"

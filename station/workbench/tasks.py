@@ -28,7 +28,7 @@ from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.pipeline import silent
-from station.story.preparation import Options, prepare_recording, weighing_of
+from station.story.preparation import Options, prepare_recording
 from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.numbers import typeset
@@ -48,9 +48,8 @@ def look(settings: Settings, say: Say, folder: Path) -> View:
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = "") -> View:
     """View a ladder; the frame of the present step comes with it, the others when `complete` is asked."""
-    session = opened.refinement.session
+    session, weighing = opened.refinement.session, opened.refinement.weighing
     names = tuple(frame_id(step.model) for step in ladder.steps)
-    weighing = weighing_of(session, settings, opened.refinement.prepared.window.unit)
     opened.draw_step(ladder.top)
     effects = _effects(ladder)
     present = weighing.terms(effects[name] for name in ladder.top.effects)

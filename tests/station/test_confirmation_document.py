@@ -79,7 +79,7 @@ def document(found: Confirmation, sessions: tuple[str, ...] = NAMES) -> Diagnosi
 
 def printed(found: DiagnosisDocument) -> str:
     out = io.StringIO()
-    show(Console(file=out, width=80), told(found))
+    show(Console(file=out, width=80), told(found, UNKNOWN))
     return out.getvalue()
 
 

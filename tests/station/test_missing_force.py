@@ -14,6 +14,7 @@ from station import exits
 from station.cli import run
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
+from station.story.engineering_values import UNKNOWN
 from station.text import diagnosis_text, ladder_text
 from station.text.layout import show
 from station.text.numbers import change, probability
@@ -85,10 +86,10 @@ def test_the_first_suspect_is_the_one_with_the_most_evidence(diagnosis):
 
 def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     document = DiagnosisDocument.model_validate(diagnosis)
-    short = printed(diagnosis_text.told(document)).splitlines()
+    short = printed(diagnosis_text.told(document, UNKNOWN)).splitlines()
     assert len(short) <= 11  # and the line that says what comes next
     assert short[0].rstrip() == " A FORCE IS MISSING: cubic stiffness"
-    text = printed(diagnosis_text.told(document, full=True), full=True)
+    text = printed(diagnosis_text.told(document, UNKNOWN, full=True), full=True)
     assert all(len(line) <= 80 for line in (*short, *text.splitlines()))
     assert re.search(r" used +0\.\d+ to \d\.\d+ of 8\.75 s, ", text)
     largest, smallest = (diagnosis["shares"][i]["amplitude"] * 1e3 for i in (0, 1))
@@ -102,7 +103,7 @@ def test_of_a_suspect_whose_strength_is_not_determined_no_values_are_listed(diag
     document = DiagnosisDocument.model_validate(
         diagnosis | {"suspects": [first | {"strength_known": False}, *others]}
     )
-    table = printed(diagnosis_text.told(document)).partition("residual")[2]
+    table = printed(diagnosis_text.told(document, UNKNOWN)).partition("residual")[2]
     assert "strength not" in table
     assert "k3" not in table
     assert first["strength_known"]
@@ -192,7 +193,7 @@ def test_the_ladder_fits_a_terminal_and_ends_with_the_floor(bench, diagnosis, ca
     told(capsys, "refine", DUFFING.stem, "--reset")
     told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
     file = bench / "sessions" / DUFFING.stem / "results" / "ladder.json"
-    text = printed(ladder_text.told(KeptLadder.model_validate_json(file.read_bytes())))
+    text = printed(ladder_text.told(KeptLadder.model_validate_json(file.read_bytes()), UNKNOWN))
     lines = text.splitlines()
     assert all(len(line) <= 80 for line in lines)
     table = lines[: next(place for place, line in enumerate(lines) if line.startswith(" changed"))]

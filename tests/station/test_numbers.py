@@ -5,10 +5,10 @@ import pytest
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
 from identify.formatting import SPACE, odds_words, three_figures, with_error
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.text.numbers import (
     energy_scale,
     noise_scale,
-    per_mass,
     scale,
     scale_as_recorded,
     typeset,
@@ -80,6 +80,7 @@ def test_no_zero_has_a_sign_and_evidence_is_told_as_odds():
 
 
 def test_what_moves_through_an_angle_has_a_torque_and_an_inertia():
-    assert per_mass("rad/s") == "torque per unit inertia"
-    assert per_mass("rad", "friction force per unit mass") == "friction torque per unit inertia"
-    assert per_mass("m") == "force per unit mass"
+    assert Weighing(unit="rad").worded() == "torque per unit inertia"
+    assert Weighing(unit="rad").worded("friction force per unit mass") == "friction torque per unit inertia"
+    assert Weighing(2.0, unit="rad").worded("stiffness, per unit mass") == "stiffness"
+    assert UNKNOWN.worded() == "force per unit mass"

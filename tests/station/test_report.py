@@ -137,10 +137,12 @@ def test_every_section_is_there_in_order_and_holds_something(page):
 
 def test_the_identified_parameters_are_those_of_the_json(page, kept):
     document = kept("identification")
-    for symbol, order in (("μ₀", 0), ("μ₁", 1)):
-        row = page.row(f"{symbol}, per unit mass")
-        assert agrees(row[2], document["wavelet"]["damping"][order])
-        assert agrees(row[3], document["restoring_force"]["damping"][order])
+    for name, order, unit in (("dry friction c₀", 0, "N"), ("viscous damping c₁", 1, "N s/m")):
+        row = page.row(name)
+        assert row[1] == typeset_unit(unit)
+        for cell, method in ((2, "wavelet"), (3, "restoring_force")):
+            bare = document[method]["damping"][order]
+            assert agrees(row[cell], {key: MASS * bare[key] for key in ("value", "std")})
     row = next(row for row in page.rows if row[0] == "stiffness K" and len(row) == 5)
     assert agrees(row[2], document["wavelet"]["stiffness"])
     assert agrees(row[3], document["restoring_force"]["stiffness"])

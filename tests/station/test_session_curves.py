@@ -15,7 +15,7 @@ from station.report.loop import suspects
 from station.results.diagnosis_document import read_diagnosis
 from station.results.diagnosis_parts import CurveDocument
 from station.settings import Settings
-from station.story.engineering_values import UNKNOWN
+from station.story.engineering_values import UNKNOWN, Weighing
 from station.views import diagnosis_figures
 
 
@@ -82,7 +82,8 @@ def test_a_rival_is_laid_over_in_place_of_what_was_named(kept):
 def test_the_free_form_of_a_pendulum_over_time_is_a_torque():
     curve = CurveDocument(coordinate="time", unit="s", position=[0, 1], force_per_mass=[0, 1], std=[0, 0])
     for unit, word in (("rad", "torque"), ("m", "force")):
-        assert f"missing {word} per unit" in diagnosis_figures.shape(curve, unit).axes[0].get_ylabel()
+        axis = diagnosis_figures.shape(curve, Weighing(unit=unit)).axes[0]
+        assert f"missing {word} per unit" in axis.get_ylabel()
 
 
 def test_the_report_shows_what_was_found(kept):

@@ -7,6 +7,7 @@ from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
 from mocks.generate import draw
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document
+from station.story.engineering_values import UNKNOWN
 from station.text.diagnosis_text import told
 
 K = (612.0, 614.5)
@@ -29,4 +30,4 @@ def test_each_session_is_kept_with_its_own_spring_and_damper(found):
     assert springs["warm"].percent == pytest.approx(50.0 * (K[1] - K[0]) / 613.25, rel=0.05)
     assert springs["cold"].value.unit == "1/s^2"
     assert "Between releases the spring differs by ±0.2" in document.explanation
-    assert "k of linear stiffness: cold -0.2" in str(told(document).brief)
+    assert "k of linear stiffness: cold -0.2" in str(told(document, UNKNOWN).brief)

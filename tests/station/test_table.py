@@ -19,7 +19,7 @@ AMPLITUDES = (-0.025, -0.02, -0.015, -0.005, 0.02, 0.025, None, None, None)
 def document(name, amplitude, mass, wavelet, restoring_force):
     """Return an identification as it is kept, of which the tables need little."""
     return {
-        "session": name, "record": {"unit": "m", "mass_kg": mass}, "release": {"amplitude": amplitude},
+        "session": name, "record": {"unit": "m", "mass_kg": mass, "mass_std_kg": None}, "release": {"amplitude": amplitude},
         "wavelet": wavelet and method(wavelet), "restoring_force": method(restoring_force), "adequacy": None,
     }  # fmt: skip
 
@@ -36,17 +36,25 @@ def method(values):
 
 
 @pytest.fixture
-def tables():
-    return table.make_tables(
-        [
-            document(f"release_{number}", amplitude, 21.36, wt, rfs)
-            for number, (wt, rfs, amplitude) in enumerate(zip(WT, RFS, AMPLITUDES, strict=True), start=1)
-        ]
-    )
+def documents():
+    return [
+        document(f"release_{number}", amplitude, 21.36, wt, rfs)
+        for number, (wt, rfs, amplitude) in enumerate(zip(WT, RFS, AMPLITUDES, strict=True), start=1)
+    ]
 
 
-def test_table_2_of_the_papers_table_1_is_the_papers_table_2(tables):
-    wavelet, force = tables.table_2
+@pytest.fixture
+def plain(documents):
+    return table.make_tables(documents, plain=True)
+
+
+@pytest.fixture
+def tables(documents):
+    return table.make_tables(documents)
+
+
+def test_table_2_of_the_papers_table_1_is_the_papers_table_2(plain):
+    wavelet, force = plain.table_2
     assert wavelet["K"]["mean"] == pytest.approx(13115.3, abs=0.1)
     assert wavelet["K"]["std"] == pytest.approx(28, abs=0.5)
     assert force["K"]["mean"] == pytest.approx(13114.6, abs=0.1)
@@ -72,16 +80,24 @@ def test_latex_has_as_many_cells_in_every_line_as_in_its_head(tables):
     assert "release\\_1" in table.as_latex(tables)
 
 
-def test_json_has_both_tables_with_units(tables):
-    assert tables.table_1[0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
-    assert tables.table_2[0]["method"] == "WT"
-    assert tables.table_2[1]["K"]["unit"] == "N/m"
+def test_json_has_both_tables_with_units(plain):
+    assert plain.table_1[0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
+    assert plain.table_1[0]["mu_1 (WT)"] == {"value": 0.28, "std": 0.002, "unit": "1/s"}
+    assert plain.table_2[0]["method"] == "WT"
+    assert plain.table_2[1]["K"]["unit"] == "N/m"
+
+
+def test_people_read_friction_and_damping_in_newtons_where_the_mass_is_known(tables, plain):
+    assert tables.units == {"c₀": "N", "c₁": "N s/m", "K": "N/m"}
+    assert tables.table_2[0]["c₀"]["mean"] == pytest.approx(21.36 * plain.table_2[0]["mu_0"]["mean"])
+    without = table.make_tables([document("a", 0.01, None, WT[0], RFS[0])])
+    assert without.units == {"μ₀": "m/s^2", "μ₁": "1/s", "K": "N/m"}
 
 
 def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
     documents = [document("a", 0.01, 1.0, None, (0.1, 0.2, 100.0))]
     tables = table.make_tables(documents)
-    assert tables.table_1[0]["mu_0 (WT)"] is None
-    assert tables.table_2[0] == {"method": "WT", "mu_0": None, "mu_1": None, "K": None}
+    assert tables.table_1[0]["c₀ (WT)"] is None
+    assert tables.table_2[0] == {"method": "WT", "c₀": None, "c₁": None, "K": None}
     for text in (table.as_text(tables), table.as_latex(tables)):
         assert "100" in text

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
-from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
+from synthetic import LAG, MASS, OMEGA, RATE, VISCOUS, identification, restoring_force
 
 from identify.formatting import SPACE
 from identify.model.model import base_model
 from station.story.adequacy import Adequacy
+from station.story.engineering_values import UNKNOWN
 from station.story.identification import Identification
 from station.text.identification_text import told
 from station.views import identification_figures as figures, overlay, show
@@ -75,7 +76,7 @@ def test_lost_samples_leave_a_hole_and_no_curve(result, tmp_path):
 def test_the_lag_is_told_with_its_error_and_what_it_would_have_done(file):
     told = text(file, "/alignment/text")
     assert "late by 1300.0 ± 3.1 µs" in told.replace(SPACE, " ")
-    assert f"{VISCOUS + OMEGA**2 * LAG:.3f}" in told
+    assert f"{MASS * (VISCOUS + OMEGA**2 * LAG):.4g} N s/m" in told.replace(SPACE, " ")
 
 
 def test_the_overlay_differentiates_a_known_motion_rightly(result):
@@ -121,7 +122,7 @@ def test_the_surface_the_sections_and_the_significance_are_those_that_were_found
         )  # the cube ends at the next number that reads well on an axis
         assert np.allclose(placed * reach, values, rtol=1e-5, atol=1e-6 * reach)
         assert 0.999 * np.abs(values).max() <= reach <= 1.5 * np.abs(values).max()
-    cuts = figures.sections(found, "m").axes
+    cuts = figures.sections(found, UNKNOWN).axes
     for axis, cut in zip(cuts, (found.section_zero_velocity, found.section_zero_displacement), strict=True):
         assert np.array_equal(axis.lines[0].get_ydata(), cut.force)
         assert any(np.array_equal(line.get_ydata(), cut.fit) for line in axis.lines)
@@ -146,12 +147,13 @@ def test_the_results_are_the_table_and_both_reconstructions(file, result):
     told = text(file, "/results/table").replace(SPACE, " ")
     assert "13115.2 ± 2.1" in told
     assert "13114.90 ± 0.60" in told
-    assert "m/s²" in told
-    assert np.array_equal(
-        column(file, "/results/force/model", "Scalars:scalars"), result.restoring_force.force_fit
+    assert "N s/m" in told
+    force, fit = (
+        MASS * values for values in (result.restoring_force.force, result.restoring_force.force_fit)
     )
+    assert np.array_equal(column(file, "/results/force/model", "Scalars:scalars"), fit)
     left = column(file, "/results/force_error", "Scalars:scalars")
-    assert np.array_equal(left, result.restoring_force.force - result.restoring_force.force_fit)
+    assert np.allclose(left, force - fit, rtol=1e-12)
 
 
 def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(result):

@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -104,7 +105,9 @@ def test_the_exported_samples_are_written_as_station_export_does_and_the_residua
     fit = fitted(release)
     session = open_session(str(DATA / "hidden" / "release_14.csv"), tmp_path / "sessions")
     stated = model_file(with_misfit_errors(fit))
-    text = encode(fitted_samples(session, release, fit, stated, Weighing(2.0)), "csv").decode()
+    ladder = SimpleNamespace(top=SimpleNamespace(model=stated))
+    refinement = SimpleNamespace(session=session, prepared=release, ladder=ladder, weighing=Weighing(2.0))
+    text = encode(fitted_samples(refinement, fit), "csv").decode()
     head, *rows = csv.reader(line for line in io.StringIO(text) if not line.startswith("#"))
     assert head[:5] == [
         "time [s]", "time_since_release [s]", "displacement_aligned [m]", "velocity_aligned [m/s]",
