@@ -282,6 +282,7 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
     from station.operations.diagnosing import diagnose_sessions
     from station.operations.session_set import open_sessions
     from station.settings import Settings
+    from station.story.engineering_values import UNKNOWN
     from station.text.diagnosis_text import shown_suspects, told
     from station.text.layout import show
 
@@ -301,7 +302,7 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
         except NotIdentifiable as refusal:
             return Said("refused", (), (), (), (str(refusal),))
         text = io.StringIO()
-        show(Console(file=text, width=2000, no_color=True), told(document))
+        show(Console(file=text, width=2000, no_color=True), told(document, UNKNOWN))
     shown = shown_suspects(document)
     return Said(
         document.verdict,

@@ -88,12 +88,11 @@ def _viewer(folder: Path) -> None:
     from station.operations.examples import open_example
     from station.operations.identifying import identify_session, write_view
     from station.settings import Settings
-    from station.story.preparation import options_for
 
     with TemporaryDirectory() as name:
         settings = Settings(sessions=Path(name) / "sessions")
         session = open_example("simulated_plain", settings.sessions)
-        result, _ = identify_session(session, options_for(session, settings))
+        result, _ = identify_session(session, settings)
         for picture in photograph(write_view(session, result), Path(name) / "tabs"):
             if picture.stem in ("alignment", "results"):
                 (folder / picture.name).write_bytes(_small(picture.read_bytes()))

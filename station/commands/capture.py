@@ -129,7 +129,6 @@ def finish(
     from dataclasses import replace
 
     from station.operations.identifying import identify_session, refuse_if_nothing, write_view
-    from station.story.preparation import options_for
     from station.text.identification_text import next_command, told
     from station.text.layout import answer
 
@@ -141,7 +140,7 @@ def finish(
         stopped = session.info.state.value == "aborted" and session.info.reason.startswith("interrupted")
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
-    result, document = identify_session(session, options_for(session, settings))
+    result, document = identify_session(session, settings)
     file = write_view(session, result)
     if url is not None:
         from station.views import show

@@ -6,10 +6,9 @@ import click
 
 from station import exits
 from station.commands.options import JSON, declared, option
-from station.output import next_line, print_json, say, screen
 from station.settings import Settings
 
-COLOURS = {"PASS": "green", "WARN": "yellow", "FAIL": "red"}
+MARKS = {"PASS": "", "WARN": "unsure", "FAIL": "bad"}
 
 
 @declared("doctor")
@@ -27,29 +26,21 @@ def command(
 
     Ends with 0 unless a check FAILs, with 3 then.
     """
-    from rich.table import Table
-    from rich.text import Text
-
     from station.operations.doctor import examine
+    from station.text.content import Table, Told
+    from station.text.layout import answer
 
     findings = list(examine(port or settings.capture.port, settings.sessions, settings.capture.rate, seconds))
     failed = any(finding.grade == "FAIL" for finding in findings)
-    if as_json:
-        print_json({"ok": not failed, "findings": [asdict(finding) for finding in findings]})
-        return exits.NO_BOARD if failed else exits.DONE
-    table = Table.grid(padding=(0, 1))
-    for finding in findings:
-        text = finding.found
-        if finding.remedy and finding.grade != "PASS":
-            text += f"\n-> {finding.remedy}"
-        grade = Text(finding.grade.value, style=COLOURS[finding.grade.value])
-        table.add_row(grade, Text(finding.check), Text(text))
-    screen().print(table)
+    remedies = ["" if one.grade == "PASS" or not one.remedy else f"\n-> {one.remedy}" for one in findings]
+    rows = tuple(
+        (one.grade.value, one.check, f"{one.found}{remedy}")
+        for one, remedy in zip(findings, remedies, strict=True)
+    )
+    table = Table("", ("", "", ""), rows, texts=3, marks=tuple(MARKS[one.grade.value] for one in findings))
     at = () if port is None else ("--port", port)
-    if failed:
-        say(f"{next_line('doctor', *at)} (once what failed is mended)")
-    elif any(finding.check == "handshake" for finding in findings):
-        say(next_line("capture", *at))
-    else:
-        say(f"{next_line('demo')} (no board is needed for it)")
+    answers = any(finding.check == "handshake" for finding in findings)
+    step = ("doctor", *at) if failed else ("capture", *at) if answers else ("demo",)
+    document = {"ok": not failed, "findings": [asdict(finding) for finding in findings]}
+    answer(as_json, document, Told("", "", (table,)), *step)
     return exits.NO_BOARD if failed else exits.DONE

@@ -2,7 +2,6 @@
 
 from station.commands.options import JSON, argument, declared, known_effect
 from station.exits import UsageProblem
-from station.output import next_line, print_json, say, screen
 
 
 @declared("effects")
@@ -22,8 +21,6 @@ def command(name: str | None = argument(required=False, callback=known_effect), 
         except KeyError as missing:
             raise UsageProblem(str(missing.args[0])) from None
         answer(as_json, effect_text.as_document(effect), effect_text.told(effect), full=True)
-    elif as_json:
-        print_json({"effects": [effect_text.as_document(effect) for effect in LIBRARY]})
     else:
-        effect_text.show_list(screen(), LIBRARY)
-        say(next_line("effects", "NAME"))
+        document = {"effects": [effect_text.as_document(effect) for effect in LIBRARY]}
+        answer(as_json, document, effect_text.all_told(LIBRARY), "effects", "NAME")

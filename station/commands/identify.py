@@ -38,7 +38,7 @@ def command(
         options = replace(options, max_order=max_order)
     if stiffness_orders is not None:
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
-    result, document = identify_session(opened, options, progress)
+    result, document = identify_session(opened, settings, progress, options)
     words = told(opened.folder.name, result, full=full)
     answer(as_json, document, words, next_command(result), opened.folder)
     refuse_if_nothing(result)

@@ -3,7 +3,6 @@
 from typing import Any
 
 from station.commands.options import JSON, argument, declared
-from station.output import next_line, print_json, say, screen
 
 
 @declared("ports")
@@ -17,18 +16,16 @@ def command(
     reset by asking it.
     """
     from daq.ports import list_ports
+    from station.text.content import Table, Told
+    from station.text.layout import answer
 
     found = list_ports(ports)
-    if as_json:
-        print_json({"ports": [_entry(candidate) for candidate in found]})
-        return
-    if not found:
-        screen().print("this computer has no serial port; is the board plugged in?", markup=False)
-    for candidate in found:
-        say(f"{candidate.port.name}  {_said(candidate)}")
+    none = "" if found else "this computer has no serial port; is the board plugged in?"
+    table = Table("", ("", ""), tuple((one.port.name, _said(one)) for one in found), texts=2)
     boards = [candidate.port.name for candidate in found if candidate.hello is not None]
-    following = next_line("capture", "--port", boards[0]) if boards else next_line("doctor")
-    say(following)
+    step = ("capture", "--port", boards[0]) if boards else ("doctor",)
+    document = {"ports": [_entry(candidate) for candidate in found]}
+    answer(as_json, document, Told(none, "", (table,)), *step)
 
 
 def _entry(candidate: Any) -> dict[str, Any]:

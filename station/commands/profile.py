@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import click
-
 from station.commands.options import BAUD, COLUMNS, JSON, POSITIVE, UNITS, argument, declared, option
-from station.output import next_line, print_json, progress, screen
+from station.output import progress, say
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -33,15 +31,16 @@ def command(
     from daq.sources.open_source import LineOptions, open_bytes
     from daq.sources.profiles import profile_file, save_profile
     from station.operations.line_boards import profiles_of
+    from station.text.content import Told, facts
+    from station.text.layout import answer
 
-    console = screen()
     if name is not None:
         profile_file(name, profiles_of(settings))
     told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
         if not as_json:
-            console.print(f"{len(sample.arrivals)} lines: {describe_columns(sample)}", markup=False)
+            say(f"{len(sample.arrivals)} lines: {describe_columns(sample)}")
         return find_format(sample, columns, units, rate).model_copy(update={"baud": baud})
 
     progress(f"listening to {port} for some seconds")
@@ -49,24 +48,18 @@ def command(
     found = source.describe()
     source.close()
     kept = None if name is None else save_profile(source.form, name, profiles_of(settings))
-    if as_json:
-        print_json(
-            {
-                "format": source.form.model_dump(mode="json"),
-                "rate_hz": found.rate_hz,
-                "remarks": list(found.remarks),
-                "profile": None if kept is None else str(kept),
-            }
-        )
-        return
-    for channel in source.form.channels:
-        scale = f"one is {channel.scale:g} {channel.unit}"
-        console.print(f"{channel.quantity}: column {channel.column}, {scale}", markup=False)
-    for remark in found.remarks:
-        console.print(f"time: {remark}", markup=False)
-    told_name = name or "NAME"
+    document = {
+        "format": source.form.model_dump(mode="json"),
+        "rate_hz": found.rate_hz,
+        "remarks": list(found.remarks),
+        "profile": None if kept is None else str(kept),
+    }
+    rows = [
+        (one.quantity, f"column {one.column}, one is {one.scale:g} {one.unit}")
+        for one in source.form.channels
+    ]
+    rows += [("time", remark) for remark in found.remarks]
     if kept is not None:
         progress(f"kept: {kept}")
-        click.echo(next_line("capture", "--port", port, "--profile", told_name))
-    else:
-        click.echo(f"{next_line('profile', told_name, '--port', port)} (the same options keep it)")
+    step = ("profile", "NAME") if name is None else ("capture", "--profile", name)
+    answer(as_json, document, Told("", "", facts(rows)), *step, "--port", port)

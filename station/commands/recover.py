@@ -4,7 +4,6 @@ from typing import Any
 
 from station.commands.options import JSON, argument, declared
 from station.exits import Answered, code_of
-from station.output import next_line, print_json, say, screen
 from station.settings import Settings
 
 
@@ -23,6 +22,8 @@ def command(
     from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
     from station.results.session_names import session_folder
+    from station.text.content import Table, Told
+    from station.text.layout import answer
 
     root = settings.sessions
     if sessions:
@@ -35,22 +36,18 @@ def command(
             entries.append(_entry(recover(folder)))
         except StationError as error:
             problems.append((folder, error))
-    if as_json:
-        told = [{"session": str(folder), "message": str(error)} for folder, error in problems]
-        print_json({"sessions": entries, "problems": told})
-    else:
-        if not folders:
-            say("nothing to recover: every session is whole")
-        for entry in entries:
-            say(f"{entry['session']}: {entry['state']}, {entry['samples']} samples")
-            if entry["completed"]:
-                changed = ", ".join(entry["completed"])
-                screen().print(f"  a change was cut off and is complete now: {changed}", markup=False)
-            if entry["reason"]:
-                screen().print(f"  {entry['reason']}", markup=False)
-        for folder, problem in problems:
-            say(f"{folder}: NOT recovered: {problem}")
-        say(next_line(*(("identify", entries[0]["session"]) if entries else ("list",))))
+    rows = []
+    for entry in entries:
+        rows.append((f"{entry['session']}:", f"{entry['state']}, {entry['samples']} samples"))
+        changed = ", ".join(entry["completed"])
+        rows += [("", f"a change was cut off and is complete now: {changed}")] if changed else []
+        rows += [("", entry["reason"])] if entry["reason"] else []
+    rows += [(f"{folder}:", f"NOT recovered: {problem}") for folder, problem in problems]
+    told = [{"session": str(folder), "message": str(error)} for folder, error in problems]
+    none = "" if folders else "nothing to recover: every session is whole"
+    words = Told(none, "", (Table("", ("", ""), tuple(rows), texts=2),))
+    step = ("identify", entries[0]["session"]) if entries else ("list",)
+    answer(as_json, {"sessions": entries, "problems": told}, words, *step)
     if problems:
         raise Answered(
             f"{len(problems)} of {len(folders)} sessions could not be recovered", code_of(problems[0][1])

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import JSON, SESSION, declared, option
-from station.output import next_line, print_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 NO_FOLDER = click.Path(path_type=Path, dir_okay=False)
@@ -30,21 +30,21 @@ def command(
     """
     from station.report.write import write_report
     from station.results.sessions import open_session
+    from station.text.content import Told, facts
+    from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
-    report = write_report(opened, output, settings=settings, progress=progress)
-    if as_json:
-        print_json(
-            {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}
-        )
-    else:
-        say(f"report: {report.path}")
-        for name, reason in sorted(report.left_out.items()):
-            say(f"left out: {name.replace('_', ' ')}: {reason}")
-        if not with_browser:
-            say(next_line("report", session, "--open"))
+    report, left_out = write_report(opened, output, settings=settings, progress=progress)
+    rows = [("left out", f"{name.replace('_', ' ')}: {why}") for name, why in sorted(left_out.items())]
+    document = {
+        "session": opened.folder.name,
+        "report": str(report.resolve()),
+        "left_out": left_out,
+    }
+    words = Told(f"report: {report}", "", facts(rows))
+    answer(as_json, document, words, *(() if with_browser else ("report", session, "--open")))
     if with_browser:
         import webbrowser
 
-        if not webbrowser.open(report.path.resolve().as_uri()):
-            progress(f"no browser here: open {report.path} elsewhere")
+        if not webbrowser.open(report.resolve().as_uri()):
+            progress(f"no browser here: open {report} elsewhere")

@@ -2,7 +2,6 @@
 
 from station.commands.options import JSON, SESSIONS, declared
 from station.exits import STORAGE, Answered
-from station.output import next_line, print_json, say
 from station.settings import Settings
 
 
@@ -15,28 +14,21 @@ def command(
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
     from station.results.session_names import session_folder
+    from station.text.content import Table, Told
+    from station.text.layout import answer
 
     root = settings.sessions
     checked = [verify(session_folder(name, root)) for name in sessions]
-    if as_json:
-        entries = [
-            {
-                "session": str(c.folder),
-                "ok": c.ok,
-                "files": c.files,
-                "problems": c.problems,
-                "remarks": c.remarks,
-            }
-            for c in checked
-        ]
-        print_json({"ok": all(one.ok for one in checked), "sessions": entries})
-    else:
-        for one in checked:
-            state = "all as they were written" if one.ok else "not all as they were written"
-            say(f"{one.folder}: {one.files} files checked, {state}")
-            for problem in (*one.problems, *one.remarks):
-                say(f"  - {problem}")
-        say(next_line("info", checked[0].folder))
+    keys = ("ok", "files", "problems", "remarks")
+    entries = [{"session": str(one.folder)} | {key: getattr(one, key) for key in keys} for one in checked]
+    rows = []
+    for one in checked:
+        state = "all as they were written" if one.ok else "not all as they were written"
+        rows.append((f"{one.folder}:", f"{one.files} files checked, {state}"))
+        rows += [("", problem) for problem in (*one.problems, *one.remarks)]
+    document = {"ok": all(one.ok for one in checked), "sessions": entries}
+    table = Table("", ("", ""), tuple(rows), texts=2)
+    answer(as_json, document, Told("", "", (table,)), "info", checked[0].folder)
     bad = sum(not one.ok for one in checked)
     if bad:
         raise Answered(f"{bad} of {len(checked)} sessions are not as they were written", STORAGE)

@@ -1,7 +1,7 @@
 """`station view`: a session in the Rerun viewer."""
 
 from station.commands.options import JSON, NO_VIEWER, SESSION, declared
-from station.output import next_line, print_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 
@@ -14,14 +14,16 @@ def command(
 
     Identifies it first, and keeps the recording in the session's results.
     """
-    from station.operations.identifying import identify_session, kept_options, write_view
+    from station.operations.identifying import identify_session, write_view
     from station.operations.viewer_tabs import kept_tabs
     from station.results.sessions import open_session
+    from station.text.content import Told
+    from station.text.layout import answer
     from station.views import viewer
 
     opened = open_session(session, settings.sessions)
     opened.require_writable()
-    result, _ = identify_session(opened, kept_options(opened, settings))
+    result, _ = identify_session(opened, settings)
     file = write_view(opened, result, kept_tabs(opened, settings))
     progress(f"recording: {file}")
     if not no_viewer and viewer.has_screen():
@@ -29,7 +31,5 @@ def command(
         progress("the viewer is opening")
     elif not no_viewer:
         progress(f"no screen here: look at it elsewhere with `rerun {file}`")
-    if as_json:
-        print_json({"session": str(opened.folder), "recording": str(file)})
-    else:
-        say(next_line("report", opened.folder))
+    document = {"session": str(opened.folder), "recording": str(file)}
+    answer(as_json, document, Told("", "", ()), "report", opened.folder)

@@ -26,13 +26,14 @@ VIEW = "identification.rrd"
 
 
 def identify_session(
-    session: Session, options: Options, progress: Progress = silent
+    session: Session, settings: Settings, progress: Progress = silent, options: Options | None = None
 ) -> tuple[Identification, dict[str, Any]]:
     """Identify a session and write results/identification.json; return the identification and its document.
 
-    The model that was found is judged on the same record, so that nobody quotes what does not explain it.
+    Without `options` at the orders that were chosen before, else at those of the settings. The model that was found is
+    judged on the same record, so that nobody quotes what does not explain it.
     """
-    recording = session.recording()
+    recording, options = session.recording(), options or kept_options(session, settings)
     progress("identifying by both methods")
     found = locate(recording, options)
     result = identify(recording, options, found)
@@ -66,7 +67,7 @@ def kept_options(session: Session, settings: Settings) -> Options:
 
 def identified(session: Session, settings: Settings) -> dict[str, Any]:
     """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
-    result, document = identify_session(session, kept_options(session, settings))
+    result, document = identify_session(session, settings)
     if result.wavelet is None and result.restoring_force is None:
         raise NotIdentifiable("nothing identified")
     return document

@@ -68,7 +68,7 @@ def gather(session: Session, settings: Settings, progress: Progress) -> Findings
     """
     found = Findings(session, session.recording(), kept_options(session, settings))
     with _or_say_why(found, "identification", NotIdentifiable):
-        found.identification, _ = identify_session(session, found.options, progress)
+        found.identification, _ = identify_session(session, settings, progress)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):
         progress("comparing the current model")
         found.compared, _ = compare_session(session, settings, tell=silent)

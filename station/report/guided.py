@@ -25,8 +25,8 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
     campaign(sources, test.settings, kept, workers=0)
     largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
     session = Session.open(test.folder / largest.session)
-    report = write_report(session, test.folder / REPORT, settings=test.settings)
-    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept)})
+    report, _ = write_report(session, test.folder / REPORT, settings=test.settings)
+    whole = document.model_copy(update={"report": str(report), "campaign": str(kept)})
     write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
     return whole
 

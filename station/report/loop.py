@@ -7,7 +7,7 @@ from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
 from station.story.compared import Compared
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
-from station.text.content import Figure, Paragraph, Part, Table, facts
+from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
 from station.text.numbers import typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.palette import PAPER, Look
@@ -58,7 +58,7 @@ def suspects(found: Findings) -> list[Part]:
         )
         parts.append(Figure(caption, diagnosis_figures.force_maps(found.maps, found.weighing)))
     elif "force_maps" in found.left_out:
-        parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
+        parts.append(left_out(found.left_out["force_maps"], "The pictures of forces"))
     if found.curves is not None:
         parts.append(curves_of(found.curves))
     shape = document.shape

@@ -9,7 +9,7 @@ from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
 from station.results.identification_document import amplitude
 from station.settings import version_of
-from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
+from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
 from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
@@ -158,7 +158,7 @@ def provenance(found: Findings) -> list[Part]:
     rows += [(name, version_of(name, "not installed as a package")) for name in PACKAGES]
     parts: list[Part] = [Facts(tuple(rows))]
     if found.manifest is None:
-        parts.append(Paragraph(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
+        parts.append(left_out(found.left_out["checksums"], "Checksums"))
     else:
         files = sorted(found.manifest.files.items())
         table = tuple(

@@ -1,6 +1,5 @@
 """Write the report of a session: a page that needs nothing outside itself."""
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +13,7 @@ from station.report.loop import comparison, ladder, methods, suspects
 from station.report.measurement import alignment, capture, provenance, setup
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
-from station.text.content import Section, left_out
+from station.text.content import left_out
 from station.views.figure import inked
 from station.views.palette import PAPER
 
@@ -36,22 +35,16 @@ RESTS_ON = {"equation": "comparison", "methods": "identification"}
 """By whose reason a section is left out that has none of its own."""
 
 
-@dataclass(frozen=True)
-class Report:
-    """A report as written: where it is, and the sections that were left out with the reason of each."""
-
-    path: Path
-    left_out: dict[str, str]
-
-
 def write_report(
     session: Session,
     output: Path | None = None,
     *,
     settings: Settings | None = None,
     progress: Progress = silent,
-) -> Report:
-    """Write the report of a session, to results/report.html unless `output` says otherwise; return where, and what it lacks.
+) -> tuple[Path, dict[str, str]]:
+    """Write the report of a session, to results/report.html unless `output` says otherwise.
+
+    Returns where it is, and the reason of each section that was left out.
 
     Identifies and compares on the way. Raises DataLost when the session holds no sample, StorageError when the disk
     refuses.
@@ -60,9 +53,9 @@ def write_report(
     progress("drawing the page")
     page = rendered(found).encode()
     if output is None:
-        return Report(session.write_result(NAME, page), found.left_out)
+        return session.write_result(NAME, page), found.left_out
     write_whole(output, page)
-    return Report(output, found.left_out)
+    return output, found.left_out
 
 
 def rendered(found: Findings) -> str:
@@ -72,7 +65,7 @@ def rendered(found: Findings) -> str:
     with inked(PAPER):
         front, made = first_page(found), {name: make(found) for name, _, make in SECTIONS}
     sections = [
-        Section(name, title, tuple(made[name]) or (left_out(found.left_out[RESTS_ON.get(name, name)]),))
+        (name, title, made[name] or [left_out(found.left_out[RESTS_ON.get(name, name)])])
         for name, title, _ in SECTIONS
     ]
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")

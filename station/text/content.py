@@ -30,7 +30,7 @@ class Paragraph:
 class Table:
     """A table with its head; the first `texts` columns are words, the others numbers but for a last one of words if `wordy`.
 
-    `marks` say what each row is: "named", "weak", "noise", "present", "above", or "" for nothing special.
+    `marks` say what each row is: "named", "weak", "noise", "present", "above", "bad", "unsure", or "" for nothing special.
     """
 
     caption: str
@@ -85,24 +85,15 @@ class Told:
     more: tuple[Part, ...] = ()
 
 
-@dataclass(frozen=True)
-class Section:
-    """A section of the report; `name` is its anchor."""
-
-    name: str
-    title: str
-    parts: tuple[Part, ...]
-
-
 def facts(rows: Iterable[tuple[str, str]]) -> tuple[Facts, ...]:
     """Make one part of the rows that have a text; none where no row has any."""
     kept = tuple((label, text) for label, text in rows if text)
     return (Facts(kept),) if kept else ()
 
 
-def left_out(reason: str) -> Paragraph:
-    """Write the paragraph that replaces a section."""
-    return Paragraph(f"Left out: {reason.rstrip('.')}.")
+def left_out(reason: str, label: str = "") -> Paragraph:
+    """Write the paragraph that replaces a part of a report."""
+    return Paragraph(f"Left out: {reason.rstrip('.')}.", label)
 
 
 def markdown(parts: Iterable[Part]) -> str:

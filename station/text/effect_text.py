@@ -4,22 +4,22 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from identify.effects.effect import Effect, Parameter
 from identify.formatting import plain_name
 from station.text.content import Table, Told, facts
-from station.text.layout import show_parts
 from station.text.numbers import typeset
 
 KINDS = {"physics": "Physics: forces per unit mass", "sensor": "Sensors: faults of a reading"}
 
 
-def show_list(console: Console, effects: Sequence[Effect]) -> None:
-    """Print every effect with its equation, physics first."""
+def all_told(effects: Sequence[Effect]) -> Told:
+    """Tell every effect with its equation, physics first."""
+    tables = []
     for kind, title in KINDS.items():
         rows = [(e.name, typeset(f"{e.title}: {e.equation}")) for e in effects if e.kind == kind]
-        show_parts(console, [Table(title, ("", ""), tuple(rows), texts=2)])
+        tables.append(Table(title, ("", ""), tuple(rows), texts=2))
+    return Told("", "", tuple(tables))
 
 
 def told(effect: Effect) -> Told:

@@ -18,7 +18,13 @@ MOST_LINES, FEWEST = 12, 1
 """Lines that a result takes with the command that comes next, and the facts that are never left out for them."""
 
 STYLES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
-MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
+MARKS = {
+    **dict.fromkeys(("named", "present"), "bold"),
+    **dict.fromkeys(("weak", "above"), "dim"),
+    "noise": "green",
+    "bad": "red",
+    "unsure": "yellow",
+}
 
 
 def answer(
@@ -36,7 +42,8 @@ def answer(
 
 def show(console: Console, told: Told, *, full: bool = False) -> None:
     """Print a result: its headline and what everybody reads; with `full` the rest."""
-    console.print(_headline(told))
+    if told.headline:
+        console.print(_headline(told))
     show_parts(console, (*told.brief, *told.more) if full or not told.more else _within(console, told))
 
 

@@ -13,7 +13,7 @@ from identify.fitting.fit import Fit
 from identify.formatting import SPACE, quantity
 from station.operations import examples
 from station.operations.exporting import facts_of
-from station.operations.identifying import identify_session, kept_options, write_view
+from station.operations.identifying import identify_session, write_view
 from station.operations.mystery import hidden_words, true_values, what_was_hidden
 from station.operations.refining import Refinement
 from station.operations.viewer_tabs import kept_tabs
@@ -97,7 +97,7 @@ def open_example(settings: Settings, say: Say, name: str) -> str:
 def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: str, dark: bool) -> str:
     """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
     session = Session.open(folder)
-    result, _ = identify_session(session, kept_options(session, settings), say)
+    result, _ = identify_session(session, settings, say)
     say("writing the recording")
     file = write_view(session, result, kept_tabs(session, settings), dark=dark)
     if not (temporary / "index.html").is_file():

@@ -11,7 +11,7 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
-from station.operations.identifying import identify_session, kept_options
+from station.operations.identifying import identify_session
 from station.operations.session_curves import kept_curves
 from station.operations.validating import validate_sessions
 from station.report.loop import curves_of, where_it_fails
@@ -64,13 +64,12 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
     """Tell what both methods find in a session, beside others in the tables; those that hold too little say why."""
     say(f"identifying {folder.name}")
     session = Session.open(folder)
-    result, document = identify_session(session, kept_options(session, settings), say)
+    result, document = identify_session(session, settings, say)
     documents, left_out, own = [document], [], document["record"]
     for place, other in enumerate(others):
         say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
-            beside = Session.open(other)
-            found = identify_session(beside, kept_options(beside, settings), say)[1]
+            found = identify_session(Session.open(other), settings, say)[1]
         except (NotIdentifiable, Problem) as refusal:
             left_out.append((other.name, f"left out: {refusal}"))
             continue

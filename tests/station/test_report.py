@@ -231,7 +231,7 @@ def test_names_from_strangers_are_shown_as_they_stand_and_do_nothing(folder):
     document["suspects"][0]["title"] = document["explanation"] = HOSTILE
     document["suspects"][1]["effect"] = f"$\\frac{{{HOSTILE}"
     session.write_result("diagnosis.json", json.dumps(document))
-    text = write_report(session).path.read_text(encoding="utf-8")
+    text = write_report(session)[0].read_text(encoding="utf-8")
     page = Page(text)
     assert "<script" not in text
     assert "script" not in {tag for tag, _ in page.tags}
@@ -245,7 +245,7 @@ def test_a_kept_diagnosis_that_cannot_be_read_leaves_its_section_out(folder):
     before = (session.results / "diagnosis.json").read_text(encoding="utf-8")
     try:
         session.write_result("diagnosis.json", '{"suspects": 3, "verdict": "none"}')
-        page = Page(write_report(session, folder / "damaged.html").path.read_text(encoding="utf-8"))
+        page = Page(write_report(session, folder / "damaged.html")[0].read_text(encoding="utf-8"))
     finally:
         session.write_result("diagnosis.json", before)
     assert "another version wrote it; diagnose again" in page.sections["suspects"]
