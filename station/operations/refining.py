@@ -169,23 +169,17 @@ def refine_to_floor(
 
     `found_so_far` gets the kept ladder after each step, and the step in words.
     """
-    begun, top = refinement.ladder, refinement.ladder.top
+    kept, top = refinement.ladder, refinement.ladder.top
     known = known_model(top.model, "the ladder", refinement.library)
-    steps: list[KeptStep] = []
-    kept = begun
-
-    def keep(why: str, verdict: str | None = None) -> None:
-        nonlocal kept
-        from_here = replace(refinement, ladder=begun.with_(seen=kept.seen))  # it follows what was kept last
-        kept = _extended(from_here, tuple(steps), why, verdict)
 
     def on_step(step: Step, words: str) -> None:
+        nonlocal kept
         left = residual_words(step.error.motion_percent, step.error.chi_square)
         progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
         if not step.added and not step.removed:
             return
-        steps.append(_kept(step, top.model.expressions))
-        keep(f"as found so far, {words}")
+        new = _kept(step, top.model.expressions)
+        kept = _extended(replace(refinement, ladder=kept), (new,), f"as found so far, {words}")
         if found_so_far is not None:
             did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
             found_so_far(kept, f"{did}; looking for what else is missing")
@@ -194,8 +188,8 @@ def refine_to_floor(
     found = refine(
         refinement.prepared, known.model, library=refinement.library, known=start, progress=on_step
     )
-    keep(found.stopped_because, found.verdict)
-    return kept
+    ended = kept.with_(stopped_because=found.stopped_because, verdict=found.verdict)
+    return write_ladder(refinement.session, ended)
 
 
 def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
@@ -239,12 +233,10 @@ def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> Kep
     )
 
 
-def _extended(
-    refinement: Refinement, new: tuple[KeptStep, ...], why: str, verdict: str | None = None
-) -> KeptLadder:
+def _extended(refinement: Refinement, new: tuple[KeptStep, ...], why: str) -> KeptLadder:
     ladder = refinement.ladder
     steps = (*ladder.steps[: ladder.present + 1], *new)
-    changed = ladder.with_(steps=steps, present=len(steps) - 1, stopped_because=why, verdict=verdict)
+    changed = ladder.with_(steps=steps, present=len(steps) - 1, stopped_because=why, verdict=None)
     return write_ladder(refinement.session, changed)
 
 

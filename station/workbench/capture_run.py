@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.errors import StationError
 from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
 from daq.rest_detection import primary, smallest_motion
 from daq.trigger import TIMES_NOISE, TIMES_RESOLUTION
 from firmware_protocol import Hello
-from station.exits import Problem
+from station.exits import sentence_of
 from station.operations.mystery import BOARD, SEEDS
 from station.operations.new_session import new_folder
 from station.operations.simulated_board import simulated_board, simulated_capture
@@ -237,10 +236,6 @@ class CaptureRun(CaptureObserver):
             found = {"session": session.folder, "verdict": session.verdict}
         except KeyboardInterrupt:
             found = {"problem": "cancelled", "kept": self._folder if self._folder.is_dir() else None}
-        except StationError as error:
-            found = {"problem": str(error), "kept": error.session}
-        except Problem as error:
-            found["problem"] = str(error)
         except Exception as error:
-            found["problem"] = f"a fault of this program ({type(error).__name__}: {error})"
+            found = {"problem": sentence_of(error), "kept": getattr(error, "session", None)}
         self.now = replace(self.now, finished=True, **found)

@@ -9,11 +9,9 @@ import numpy as np
 from nicegui import ui
 
 from daq.capture import CaptureObserver, CaptureSettings
-from daq.errors import StationError
 from identify.diagnosis.guidance import Guidance
-from identify.errors import NotIdentifiable
 from identify.planning.next_release import Limits
-from station.exits import Problem
+from station.exits import sentence_of
 from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
@@ -110,8 +108,8 @@ class GuideRun(CaptureObserver):
             )
         except KeyboardInterrupt:
             self._fail("cancelled; what was recorded is kept")
-        except (StationError, Problem, NotIdentifiable) as error:
-            self._fail(str(error))
+        except Exception as error:
+            self._fail(sentence_of(error))
 
     def _fail(self, problem: str) -> None:
         self.now = replace(self.now, to_do=sentence(problem.rstrip(".")), why="", capture="", finished=True)
