@@ -33,6 +33,11 @@ def print_json(document: dict[str, Any]) -> None:
     sys.stdout.flush()
 
 
+def asked_for_json() -> bool:
+    """Tell whether the command under way prints one JSON object instead of words."""
+    return bool(click.get_current_context().params["as_json"])
+
+
 def progress(text: str) -> None:
     """Print on stderr what is going on, in one line whatever names it holds."""
     from station.safe_text import harmless

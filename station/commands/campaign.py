@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import JSON, VARIES, argument, declared, existing, option
+from station.commands.options import VARIES, argument, declared, existing, option
 from station.output import progress
 from station.settings import Settings
 
@@ -44,7 +44,6 @@ def command(
     workers: int | None = option(
         "Processes here (default: one a core).", type=click.IntRange(1, 1024), metavar="N"
     ),
-    as_json: bool = JSON,
 ) -> None:
     """Identify hundreds of sessions and look at them together.
 
@@ -81,7 +80,7 @@ def command(
         raise
     folders_of = {source.folder.name: source.folder for source in sources}
     step = _next(document, folders_of, given)
-    answer(as_json, document.plain(), campaign_text.told(document), *step)
+    answer(document.plain(), campaign_text.told(document), *step)
     if not document.rows:
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
 

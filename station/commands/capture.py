@@ -10,7 +10,6 @@ from station import exits
 from station.commands.options import (
     BAUD,
     COLUMNS,
-    JSON,
     NO_VIEWER,
     POSITIVE,
     RELEASE,
@@ -19,7 +18,7 @@ from station.commands.options import (
     new_session_option,
     option,
 )
-from station.output import progress
+from station.output import asked_for_json, progress
 from station.settings import Settings
 from station.text.content import Part
 
@@ -73,7 +72,6 @@ def command(
         "--again/--no-again",
         default=None,
     ),
-    as_json: bool = JSON,
     **given: Any,
 ) -> int:
     """Record one release, judge the recording, and identify it.
@@ -92,22 +90,22 @@ def command(
     place = folder or new_folder(settings.sessions)
     session, url = record(board(), wanted, place, not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):
-        if not take_again(session, again, as_json):
+        if not take_again(session, again):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
         session, url = record(board(), wanted, place, not no_viewer, spare)
-    finish(session, url, settings, as_json)
+    finish(session, url, settings)
     return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
 
-def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
+def take_again(session: "Session", again: bool | None) -> bool:
     """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
     if verdict is None or verdict.grade.value == "OK" or again is False:
         return False
     sentence = f"{verdict.grade.value}: {verdict.reasons[0]}"
     if again is None:
-        if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
+        if asked_for_json() or not (sys.stdin.isatty() and sys.stderr.isatty()):
             return False
         progress(sentence)
         return click.confirm("Take it again?", default=verdict.grade.value == "REJECT", err=True)
@@ -121,7 +119,6 @@ def finish(
     session: "Session",
     url: str | None,
     settings: Settings,
-    as_json: bool,
     note: tuple[Part, ...] = (),
     **more: Any,
 ) -> None:
@@ -155,5 +152,5 @@ def finish(
     }
     words = told(session.folder.name, result)
     words = replace(words, brief=(*words.brief, *note))
-    answer(as_json, known | more, words, next_command(result), session.folder)
+    answer(known | more, words, next_command(result), session.folder)
     refuse_if_nothing(result)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from station.commands.options import EFFECTS, FULL, JSON, MODEL, SESSION, declared
+from station.commands.options import EFFECTS, FULL, MODEL, SESSION, declared
 from station.settings import Settings
 
 
@@ -13,7 +13,6 @@ def command(
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
     full: bool = FULL,
-    as_json: bool = JSON,
 ) -> None:
     """Compare a model with SESSION: how large its errors are, and where.
 
@@ -29,4 +28,4 @@ def command(
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file)
     step = "report" if compared.judged.at_floor else "diagnose"
-    answer(as_json, document, told(compared), step, opened.folder, full=full)
+    answer(document, told(compared), step, opened.folder, full=full)

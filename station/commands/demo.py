@@ -6,10 +6,9 @@ from typing import Any
 
 import click
 
-from station.commands.options import JSON, NO_VIEWER, declared, new_session_option, option
-from station.output import print_json, screen
+from station.commands.options import NO_VIEWER, declared, new_session_option, option
 from station.settings import Settings
-from station.text.content import Paragraph
+from station.text.content import Paragraph, Table, Told, facts
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -33,7 +32,6 @@ def command(
     listed: bool = option("List the recordings that come with the station.", "--list"),
     folder: Path | None = new_session_option("Folder of the new session (default: ./sessions/demo_TIME)."),
     no_viewer: bool = NO_VIEWER,
-    as_json: bool = JSON,
 ) -> None:
     """Run the whole job on a simulated board: capture, align, identify, show.
 
@@ -42,18 +40,18 @@ def command(
     recordings that come with the station: `--list`, `--example NAME`.
     """
     if listed:
-        _list(as_json)
+        _list()
     elif example is not None:
         from station.commands.capture import finish
         from station.operations.examples import open_example
 
-        finish(open_example(example, settings.sessions), None, settings, as_json)
+        finish(open_example(example, settings.sessions), None, settings)
     elif guided is not None:
-        _guided(settings, guided, speed, folder, as_json)
+        _guided(settings, guided, speed, folder)
     elif mystery is not None:
         from station.operations.mystery import play
 
-        play(settings, mystery if mystery >= 0 else None, speed, folder, no_viewer, as_json)
+        play(settings, mystery if mystery >= 0 else None, speed, folder, no_viewer)
     else:
         from station.commands.capture import finish
         from station.operations.new_session import new_folder
@@ -64,45 +62,41 @@ def command(
         session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
-        finish(session, url, settings, as_json, (_made_of(truth),), made_of=made_of)
+        finish(session, url, settings, (_made_of(truth),), made_of=made_of)
 
 
-def _guided(settings: Settings, seed: int, speed: float, folder: Path | None, as_json: bool) -> None:
+def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) -> None:
     """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
     from station.operations.mystery import BOARD, hidden_words
     from station.operations.new_session import new_folder
     from station.operations.simulated_board import on_simulated, simulated_capture
     from station.report.guided import show_guided
-    from station.text.layout import labelled
+    from station.text.layout import answer
 
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
     place = folder or new_folder(settings.sessions, "guide")
     document, envelope = on_simulated(
-        lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True), as_json),
+        lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True)),
         seed,
         speed,
         *RIG,
         module=BOARD,
     )
     truth = json.loads(envelope)
-    if as_json:
-        hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
-        print_json(document.plain() | {"hidden": hidden})
-    else:
-        screen().print(labelled("hidden was", f"{hidden_words(truth)}; it is read only now"))
+    hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
+    words = facts([("hidden was", f"{hidden_words(truth)}; it is read only now")])
+    answer(document.plain() | {"hidden": hidden}, Told("", "", words))
 
 
-def _list(as_json: bool) -> None:
+def _list() -> None:
     """List the recordings that come with the station."""
     from station.operations.examples import EXAMPLES
+    from station.text.layout import answer
 
-    if as_json:
-        print_json({"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]})
-        return
-    for one in EXAMPLES:
-        click.echo(f" {one.name:<20}{one.about}")
-    click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
+    document = {"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]}
+    table = Table("", ("", ""), tuple((one.name, one.about) for one in EXAMPLES), texts=2)
+    answer(document, Told("", "", (table,)), "demo", "--example", EXAMPLES[0].name)
 
 
 def _made_of(truth: dict[str, Any]) -> Paragraph:

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, FULL, JSON, MODEL, SESSIONS, VARIES, declared, option
+from station.commands.options import EFFECTS, FULL, MODEL, SESSIONS, VARIES, declared, option
 from station.exits import Answered
-from station.output import print_json, progress
+from station.output import asked_for_json, print_json, progress
 from station.settings import Settings
 
 
@@ -26,7 +26,6 @@ def command(
     varies: tuple[str, ...] = VARIES,
     anyway: bool = option("Even if the sessions look like different benches."),
     full: bool = FULL,
-    as_json: bool = JSON,
 ) -> None:
     """Find out which effect a model lacks.
 
@@ -48,7 +47,7 @@ def command(
     try:
         opened = open_sessions(sessions, settings, declared([varies]))
     except NotIdentifiable as refusal:
-        if as_json:
+        if asked_for_json():
             names = tuple(Path(session).name for session in sessions)
             print_json(refused_document(names, base_model(), str(refusal)).plain())
         raise Answered(f"not enough data: {refusal}") from refusal
@@ -60,6 +59,6 @@ def command(
     weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
     words = told(document, weighing, full=full)
     folders = [session.folder for session in opened.sessions]
-    answer(as_json, document.plain(), words, *next_command(document, folders), full=full)
+    answer(document.plain(), words, *next_command(document, folders), full=full)
     if document.verdict == "not_enough_data":
         raise Answered(f"not enough data: {document.explanation}")

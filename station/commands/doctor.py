@@ -5,7 +5,7 @@ from dataclasses import asdict
 import click
 
 from station import exits
-from station.commands.options import JSON, declared, option
+from station.commands.options import declared, option
 from station.settings import Settings
 
 MARKS = {"PASS": "", "WARN": "unsure", "FAIL": "bad"}
@@ -20,7 +20,6 @@ def command(
     seconds: float = option(
         "How long to sample.", type=click.FloatRange(min=1, max=60), default=2.0, show_default=True
     ),
-    as_json: bool = JSON,
 ) -> int:
     """Check the computer, the port and the board: PASS, WARN or FAIL, and the remedy.
 
@@ -42,5 +41,5 @@ def command(
     answers = any(finding.check == "handshake" for finding in findings)
     step = ("doctor", *at) if failed else ("capture", *at) if answers else ("demo",)
     document = {"ok": not failed, "findings": [asdict(finding) for finding in findings]}
-    answer(as_json, document, Told("", "", (table,)), *step)
+    answer(document, Told("", "", (table,)), *step)
     return exits.NO_BOARD if failed else exits.DONE

@@ -1,11 +1,11 @@
 """`station effects`: the library of physical effects and sensors' faults, and one of them in full."""
 
-from station.commands.options import JSON, argument, declared, known_effect
+from station.commands.options import argument, declared, known_effect
 from station.exits import UsageProblem
 
 
 @declared("effects")
-def command(name: str | None = argument(required=False, callback=known_effect), as_json: bool = JSON) -> None:
+def command(name: str | None = argument(required=False, callback=known_effect)) -> None:
     """List the effects that may be missing, or describe NAME.
 
     With NAME: its equation, parameters with units and bounds, how it shows,
@@ -20,7 +20,7 @@ def command(name: str | None = argument(required=False, callback=known_effect), 
             effect = find_effect(name)
         except KeyError as missing:
             raise UsageProblem(str(missing.args[0])) from None
-        answer(as_json, effect_text.as_document(effect), effect_text.told(effect), full=True)
+        answer(effect_text.as_document(effect), effect_text.told(effect), full=True)
     else:
         document = {"effects": [effect_text.as_document(effect) for effect in LIBRARY]}
-        answer(as_json, document, effect_text.all_told(LIBRARY), "effects", "NAME")
+        answer(document, effect_text.all_told(LIBRARY), "effects", "NAME")

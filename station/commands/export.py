@@ -1,12 +1,12 @@
 """`station export`: a session's channels for another program."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from station.commands.options import JSON, SESSION, declared, option
+from station.commands.options import SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import print_json, progress
 from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
@@ -22,7 +22,6 @@ def command(
     file: Path | None = option("File to write (default: the session's name with the format's ending, here)."),
     as_recorded: bool = option("Do not move the displacement by its lag."),
     overwrite: bool = option("Replace a file that is there."),
-    as_json: bool = JSON,
 ) -> None:
     """Write the channels of SESSION, on one clock, into a file.
 
@@ -33,6 +32,8 @@ def command(
     from daq.exporting import FORMATS as ENDINGS, form_of
     from station.operations.exporting import exported_session, write_exported
     from station.results.sessions import open_session
+    from station.text.content import Told, facts
+    from station.text.layout import answer
 
     if form is None:
         form = "csv" if file is None else form_of(file)
@@ -43,22 +44,16 @@ def command(
     exported = exported_session(opened, settings, aligned=not as_recorded)
     size = write_exported(exported, form, target, overwrite=overwrite)
     recording = exported.recording
-    if as_json:
-        print_json(
-            {
-                "file": str(target),
-                "format": form,
-                "bytes": size,
-                "samples": len(recording.valid),
-                "rate_hz": recording.rate,
-                "channels": {n: c.unit for n, c in zip(exported.names, recording.channels, strict=True)},
-                "facts": exported.all_facts,
-            }
-        )
-        return
-    columns = ", ".join(f"{n} [{c.unit}]" for n, c in zip(exported.names, recording.channels, strict=True))
-    progress(f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")
-    for name in ("channels", "lag_s", "lag_std_s"):
-        if name in exported.facts:
-            progress(f"{name}: {exported.facts[name]}")
-    click.echo(f"written: {target} ({form}, {size / 1000:.0f} kB)")
+    document: dict[str, Any] = {
+        "file": str(target),
+        "format": form,
+        "bytes": size,
+        "samples": len(recording.valid),
+        "rate_hz": recording.rate,
+        "channels": {n: c.unit for n, c in zip(exported.names, recording.channels, strict=True)},
+        "facts": exported.all_facts,
+    }
+    columns = ", ".join(f"{name} [{unit}]" for name, unit in document["channels"].items())
+    rows = [("columns", f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")]
+    rows += [(name, exported.facts.get(name, "")) for name in ("channels", "lag_s", "lag_std_s")]
+    answer(document, Told(f"written: {target} ({form}, {size / 1000:.0f} kB)", "", facts(rows)))

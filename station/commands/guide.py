@@ -7,8 +7,8 @@ from typing import Any
 import click
 
 from station import exits
-from station.commands.options import JSON, RELEASE, declared, new_session_option, option
-from station.output import print_json
+from station.commands.options import RELEASE, declared, new_session_option, option
+from station.output import asked_for_json, print_json
 from station.settings import Settings
 
 
@@ -24,7 +24,6 @@ def command(
     ),
     unattended: bool = option("The rig holds and releases the mass itself."),
     folder: Path | None = new_session_option("Folder of its sessions (default: ./sessions/guide_TIME)."),
-    as_json: bool = JSON,
     **given: Any,
 ) -> int:
     """Say what to release, record it, judge it, and say what to release next.
@@ -43,8 +42,8 @@ def command(
     place = folder or new_folder(settings.sessions, "guide")
     from station.report.guided import show_guided
 
-    document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)
-    if as_json:
+    document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended))
+    if asked_for_json():
         print_json(document.plain())
     return exits.DONE
 

@@ -2,7 +2,7 @@
 
 import click
 
-from station.commands.options import FULL, JSON, MASS_INSTEAD, SESSION, declared, option
+from station.commands.options import FULL, MASS_INSTEAD, SESSION, declared, option
 from station.exits import UsageProblem
 from station.output import progress
 from station.settings import Settings
@@ -16,7 +16,6 @@ def command(
     max_order: int | None = option("Highest order of damping that is tried.", type=click.IntRange(0, 5)),
     stiffness_orders: str | None = option("Orders of displacement in the restoring force.", metavar="1,3"),
     full: bool = FULL,
-    as_json: bool = JSON,
 ) -> None:
     """Find stiffness, friction and damping in SESSION.
 
@@ -40,7 +39,7 @@ def command(
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, settings, progress, options)
     words = told(opened.folder.name, result, full=full)
-    answer(as_json, document, words, next_command(result), opened.folder)
+    answer(document, words, next_command(result), opened.folder)
     refuse_if_nothing(result)
 
 

@@ -9,7 +9,6 @@ import click
 from station.commands.options import (
     COLUMNS,
     CONDITIONS,
-    JSON,
     MASS,
     MASS_STD,
     OPERATOR,
@@ -23,6 +22,7 @@ from station.commands.options import (
     option,
 )
 from station.exits import UsageProblem
+from station.output import asked_for_json
 from station.settings import Settings
 from station.text.content import Told, facts
 
@@ -70,7 +70,6 @@ def command(
     operator: str | None = OPERATOR,
     conditions: tuple[str, ...] = CONDITIONS,
     varies: tuple[str, ...] = VARIES,
-    as_json: bool = JSON,
     **others: Any,
 ) -> None:
     """Turn FILE (CSV, JSON, MATLAB .mat, UFF58) into sessions, one for each release.
@@ -105,11 +104,11 @@ def command(
             given = asked(file, options)
         imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:
-        if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
+        if not asked_for_json() and (proposed := getattr(refusal, "proposal", None)) is not None:
             click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(refusal, click.get_current_context().meta[TYPED]) from refusal
     step = ("identify", imported.sessions[0].folder) if imported.released else ()
-    answer(as_json, _document(file, imported), _told(file, imported), *step)
+    answer(_document(file, imported), _told(file, imported), *step)
 
 
 def _two(option: str, given: str | None) -> tuple[str, str] | None:

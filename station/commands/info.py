@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from station.commands.options import JSON, SESSION, declared
+from station.commands.options import SESSION, declared
 from station.exits import UsageProblem
 from station.settings import Settings
 
@@ -11,7 +11,6 @@ from station.settings import Settings
 def command(
     settings: Settings,
     session: str = SESSION,
-    as_json: bool = JSON,
 ) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
     from identify.errors import NotIdentifiable
@@ -58,7 +57,7 @@ def command(
         find_releases(free_decay(recording, Options()))
     except NotIdentifiable:  # nothing can be made of it
         following = []
-    answer(as_json, document, words, *following)
+    answer(document, words, *following)
 
 
 def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, str]]:

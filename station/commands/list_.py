@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from station.commands.options import JSON, argument, declared
+from station.commands.options import argument, declared
 from station.settings import Settings
 from station.text.content import Table, Told
 
@@ -14,7 +14,7 @@ SHOWN = ("name", "created", "state", "mass_kg", "rate_hz", "source")
 
 
 @declared("list")
-def command(settings: Settings, folder: Path | None = argument(required=False), as_json: bool = JSON) -> None:
+def command(settings: Settings, folder: Path | None = argument(required=False)) -> None:
     """List the sessions in FOLDER (default: ./sessions), oldest first."""
     from daq.session import list_sessions
     from station.exits import UsageProblem
@@ -27,11 +27,11 @@ def command(settings: Settings, folder: Path | None = argument(required=False), 
     document = {"folder": str(place), "sessions": [_entry(summary) for summary in found]}
     if not found:
         words = Told(f"no sessions in {place}; make one with `station demo`, `capture` or `import`", "", ())
-        answer(as_json, document, words)
+        answer(document, words)
         return
     head = ("session", "made", "state", "verdict", "mass")
     table = Table("", head, tuple(map(_row, found)), texts=5)
-    answer(as_json, document, Told(f"sessions in {place}", "", (table,)), "info", found[-1].folder)
+    answer(document, Told(f"sessions in {place}", "", (table,)), "info", found[-1].folder)
 
 
 def _entry(summary: "SessionSummary") -> dict[str, Any]:

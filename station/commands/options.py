@@ -27,12 +27,13 @@ Given = TypeVar("Given", str, tuple[str, ...])
 
 
 def declared(
-    name: str, others: Mapping[str, tuple[Any, Any]] | None = None
+    name: str, others: Mapping[str, tuple[Any, Any]] | None = None, *, reports: bool = True
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """Make a command of a function whose parameters have the options and arguments that give them as their defaults.
 
-    `others` are options by the name under which they come among the function's keywords, each after its type. A parameter
-    `settings` gets the settings; UsageProblem where the file that was named is none.
+    `others` are options by the name under which they come among the function's keywords, each after its type. What
+    `reports` has `--json`, for `asked_for_json`. A parameter `settings` gets the settings; UsageProblem where the file that
+    was named is none.
     """
 
     def made(function: Callable[..., Any]) -> click.Command:
@@ -41,7 +42,7 @@ def declared(
 
         @click.pass_obj
         @wraps(function)
-        def called(file: str | None, /, **given: Any) -> Any:
+        def called(file: str | None, /, *, as_json: bool = False, **given: Any) -> Any:
             return function(load_settings(file), **given) if by_name else function(**given)
 
         command = click.command(name)(called)
@@ -51,6 +52,10 @@ def declared(
         for parameter in parameters.values():
             if parameter.default is not parameter.empty:
                 command.params.append(parameter.default(parameter))
+        if reports:
+            command.params.append(
+                click.Option(("--json", "as_json"), is_flag=True, help="One JSON object on stdout.")
+            )
         return command
 
     return made
@@ -141,7 +146,6 @@ MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
 FULL = option("Print all that is known, not only the result.", "--full")
-JSON = option("One JSON object on stdout.", "--json")
 NO_VIEWER = option("Do not open the viewer.", "--no-viewer")
 DURATION = option(
     "Seconds after the release (8).", "--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S"

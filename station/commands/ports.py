@@ -2,13 +2,12 @@
 
 from typing import Any
 
-from station.commands.options import JSON, argument, declared
+from station.commands.options import argument, declared
 
 
 @declared("ports")
 def command(
     ports: tuple[str, ...] = argument(nargs=-1),
-    as_json: bool = JSON,
 ) -> None:
     """List the serial ports, and which of them answer as a board.
 
@@ -25,7 +24,7 @@ def command(
     boards = [candidate.port.name for candidate in found if candidate.hello is not None]
     step = ("capture", "--port", boards[0]) if boards else ("doctor",)
     document = {"ports": [_entry(candidate) for candidate in found]}
-    answer(as_json, document, Told(none, "", (table,)), *step)
+    answer(document, Told(none, "", (table,)), *step)
 
 
 def _entry(candidate: Any) -> dict[str, Any]:

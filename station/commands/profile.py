@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from station.commands.options import BAUD, COLUMNS, JSON, POSITIVE, UNITS, argument, declared, option
-from station.output import progress, say
+from station.commands.options import BAUD, COLUMNS, POSITIVE, UNITS, argument, declared, option
+from station.output import asked_for_json, progress, say
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ def command(
     units: dict[str, str] = UNITS,
     rate: float | None = option("Rate, where it is known.", type=POSITIVE, metavar="HZ"),
     baud: int | None = BAUD,
-    as_json: bool = JSON,
 ) -> None:
     """Listen to a board that prints numbers, a line a sample, and show what comes.
 
@@ -39,7 +38,7 @@ def command(
     told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
-        if not as_json:
+        if not asked_for_json():
             say(f"{len(sample.arrivals)} lines: {describe_columns(sample)}")
         return find_format(sample, columns, units, rate).model_copy(update={"baud": baud})
 
@@ -62,4 +61,4 @@ def command(
     if kept is not None:
         progress(f"kept: {kept}")
     step = ("profile", "NAME") if name is None else ("capture", "--profile", name)
-    answer(as_json, document, Told("", "", facts(rows)), *step, "--port", port)
+    answer(document, Told("", "", facts(rows)), *step, "--port", port)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from station.commands.options import JSON, argument, declared
+from station.commands.options import argument, declared
 from station.exits import Answered, code_of
 from station.settings import Settings
 
@@ -11,7 +11,6 @@ from station.settings import Settings
 def command(
     settings: Settings,
     sessions: tuple[str, ...] = argument(nargs=-1),
-    as_json: bool = JSON,
 ) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
@@ -47,7 +46,7 @@ def command(
     none = "" if folders else "nothing to recover: every session is whole"
     words = Told(none, "", (Table("", ("", ""), tuple(rows), texts=2),))
     step = ("identify", entries[0]["session"]) if entries else ("list",)
-    answer(as_json, {"sessions": entries, "problems": told}, words, *step)
+    answer({"sessions": entries, "problems": told}, words, *step)
     if problems:
         raise Answered(
             f"{len(problems)} of {len(folders)} sessions could not be recovered", code_of(problems[0][1])

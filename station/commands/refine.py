@@ -6,7 +6,6 @@ import click
 
 from station.commands.options import (
     EFFECTS,
-    JSON,
     MODEL,
     NO_VIEWER,
     SESSION,
@@ -37,7 +36,6 @@ def command(
     model_file: Path | None = MODEL,
     effects_file: Path | None = EFFECTS,
     no_viewer: bool = NO_VIEWER,
-    as_json: bool = JSON,
 ) -> None:
     """Add an effect to the model of SESSION and watch the error fall.
 
@@ -72,7 +70,7 @@ def command(
     elif not added and (reset or model_file is not None or ladder.seen is None):
         ladder = write_ladder(opened, ladder)
     words, document = told(ladder, refinement.weighing), ladder_document(opened, ladder)
-    answer(as_json, document, words, *next_command(ladder, opened.folder), full=True)
+    answer(document, words, *next_command(ladder, opened.folder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 

@@ -2,7 +2,7 @@
 
 import click
 
-from station.commands.options import JSON, NO_VIEWER, SESSION, declared, option
+from station.commands.options import NO_VIEWER, SESSION, declared, option
 from station.settings import Settings
 
 
@@ -17,7 +17,6 @@ def command(
         show_default=True,
     ),
     no_viewer: bool = NO_VIEWER,
-    as_json: bool = JSON,
 ) -> None:
     """Send SESSION's raw bytes through the decoder again, and identify it."""
     from daq.replay import replay
@@ -29,4 +28,4 @@ def command(
     opened = open_session(session, settings.sessions)
     with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as (url, live), Watch(live) as watch:
         replay(opened, watch, speed)
-    finish(opened, url, settings, as_json)
+    finish(opened, url, settings)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import JSON, SESSION, declared, option
+from station.commands.options import SESSION, declared, option
 from station.output import progress
 from station.settings import Settings
 
@@ -21,7 +21,6 @@ def command(
         metavar="FILE",
     ),
     with_browser: bool = option("Open it in the browser.", "--open"),
-    as_json: bool = JSON,
 ) -> None:
     """Write all that is known of SESSION into one HTML page.
 
@@ -42,7 +41,7 @@ def command(
         "left_out": left_out,
     }
     words = Told(f"report: {report}", "", facts(rows))
-    answer(as_json, document, words, *(() if with_browser else ("report", session, "--open")))
+    answer(document, words, *(() if with_browser else ("report", session, "--open")))
     if with_browser:
         import webbrowser
 

@@ -2,9 +2,9 @@
 
 import click
 
-from station.commands.options import JSON, SESSIONS, declared, option
+from station.commands.options import SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import next_line, print_json, progress
+from station.output import asked_for_json, next_line, print_json, progress
 from station.settings import Settings
 
 FORMATS = ("text", "latex")
@@ -15,7 +15,6 @@ def command(
     settings: Settings,
     sessions: tuple[str, ...] = SESSIONS,
     form: str = option("", "--format", type=click.Choice(FORMATS), default="text", show_default=True),
-    as_json: bool = JSON,
 ) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
 
@@ -41,8 +40,8 @@ def command(
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
-    tables = table.make_tables(documents, plain=as_json)
-    if as_json:
+    tables = table.make_tables(documents, plain=asked_for_json())
+    if asked_for_json():
         print_json({"table_1": tables.table_1, "table_2": tables.table_2})
     else:
         click.echo(table.as_text(tables) if form == "text" else table.as_latex(tables), nl=False)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from station.commands.options import EFFECTS, JSON, SESSIONS, VARIES, argument, declared, existing, option
+from station.commands.options import EFFECTS, SESSIONS, VARIES, argument, declared, existing, option
 from station.output import progress
 from station.settings import Settings
 
@@ -15,7 +15,6 @@ def command(
     effects_file: Path | None = EFFECTS,
     varies: tuple[str, ...] = VARIES,
     hold: bool = option("Hold the linear spring and the viscous part too."),
-    as_json: bool = JSON,
 ) -> None:
     """Say how well a model predicts sessions that it was not fitted to.
 
@@ -34,4 +33,4 @@ def command(
     )
     better = document.verdict == "predicts_better"
     step = ("report", sessions[0]) if better else ("diagnose", *sessions)
-    answer(as_json, document.plain(), told(document), *step)
+    answer(document.plain(), told(document), *step)

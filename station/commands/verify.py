@@ -1,6 +1,6 @@
 """`station verify`: does every file of a session still hold what was written?"""
 
-from station.commands.options import JSON, SESSIONS, declared
+from station.commands.options import SESSIONS, declared
 from station.exits import STORAGE, Answered
 from station.settings import Settings
 
@@ -9,7 +9,6 @@ from station.settings import Settings
 def command(
     settings: Settings,
     sessions: tuple[str, ...] = SESSIONS,
-    as_json: bool = JSON,
 ) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
@@ -28,7 +27,7 @@ def command(
         rows += [("", problem) for problem in (*one.problems, *one.remarks)]
     document = {"ok": all(one.ok for one in checked), "sessions": entries}
     table = Table("", ("", ""), tuple(rows), texts=2)
-    answer(as_json, document, Told("", "", (table,)), "info", checked[0].folder)
+    answer(document, Told("", "", (table,)), "info", checked[0].folder)
     bad = sum(not one.ok for one in checked)
     if bad:
         raise Answered(f"{bad} of {len(checked)} sessions are not as they were written", STORAGE)

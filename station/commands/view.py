@@ -1,14 +1,12 @@
 """`station view`: a session in the Rerun viewer."""
 
-from station.commands.options import JSON, NO_VIEWER, SESSION, declared
+from station.commands.options import NO_VIEWER, SESSION, declared
 from station.output import progress
 from station.settings import Settings
 
 
 @declared("view")
-def command(
-    settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIEWER, as_json: bool = JSON
-) -> None:
+def command(settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIEWER) -> None:
     """Open SESSION in the viewer: capture, alignment, both methods, results,
     and the steps of its refinement.
 
@@ -32,4 +30,4 @@ def command(
     elif not no_viewer:
         progress(f"no screen here: look at it elsewhere with `rerun {file}`")
     document = {"session": str(opened.folder), "recording": str(file)}
-    answer(as_json, document, Told("", "", ()), "report", opened.folder)
+    answer(document, Told("", "", ()), "report", opened.folder)

@@ -9,7 +9,7 @@ from station.output import progress
 from station.settings import Settings
 
 
-@declared("workbench")
+@declared("workbench", reports=False)
 def command(
     settings: Settings,
     sessions: tuple[str, ...] = argument(nargs=-1, metavar="[SESSION]..."),

@@ -24,7 +24,7 @@ from station.operations.record_floor import with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
-from station.output import progress, screen
+from station.output import asked_for_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
@@ -62,10 +62,9 @@ def play(
     speed: float,
     folder: Path | None,
     no_viewer: bool,
-    as_json: bool,
 ) -> None:
     """Record, compare, diagnose, refine, and reveal what was hidden; a seed of None is drawn."""
-    console = SafeConsole(quiet=True) if as_json else screen()
+    console = SafeConsole(quiet=True) if asked_for_json() else screen()
     chosen = secrets.randbelow(SEEDS) if seed is None else seed
     _say(
         console,
@@ -75,7 +74,7 @@ def play(
     )
     solved, url = solve(settings, chosen, speed, folder, no_viewer, console)
     _say(console, "4. WHAT WAS HIDDEN: it is read only now")
-    answer(as_json, _document(solved), revealed(solved), "report", solved.session.folder)
+    answer(_document(solved), revealed(solved), "report", solved.session.folder)
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 

@@ -5,7 +5,7 @@ from daq.storage import write_whole
 from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.operations.guiding import GuidedTest, guide
-from station.output import progress, screen
+from station.output import asked_for_json, progress, screen
 from station.report.write import NAME as REPORT, write_report
 from station.results.guide_document import NAME, GuideDocument
 from station.safe_text import SafeConsole
@@ -31,9 +31,9 @@ def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
     return whole
 
 
-def show_guided(test: GuidedTest, as_json: bool) -> GuideDocument:
+def show_guided(test: GuidedTest) -> GuideDocument:
     """Run a guided test on the screen (on stderr where JSON is wanted); return its document."""
-    console = SafeConsole(stderr=True, highlight=False) if as_json else screen()
+    console = SafeConsole(stderr=True, highlight=False) if asked_for_json() else screen()
     document = guide(test, GuideScreen(console, alone=test.alone))
     progress("writing the report")
     document = finish(test, document)

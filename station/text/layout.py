@@ -10,7 +10,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from identify.formatting import SPACE
-from station.output import next_line, print_json, screen
+from station.output import asked_for_json, next_line, print_json, screen
 from station.text.content import Facts, Paragraph, Part, Table, Told
 
 LABEL_WIDTH = 12
@@ -27,11 +27,9 @@ MARKS = {
 }
 
 
-def answer(
-    as_json: bool, document: dict[str, Any], told: Told, *following: str | Path, full: bool = False
-) -> None:
-    """Print a result as one JSON object, or for people with the command that comes next."""
-    if as_json:
+def answer(document: dict[str, Any], told: Told, *following: str | Path, full: bool = False) -> None:
+    """Print a result as one JSON object where that was asked for, else for people with the command that comes next."""
+    if asked_for_json():
         print_json(document)
     else:
         console = screen()

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from station.operations.workers import WorkerPool
 from station.settings import Settings
 from station.workbench.capture_run import CaptureRun
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
-from station.workbench.worker import WorkerPool
 
 
 @dataclass

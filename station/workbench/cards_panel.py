@@ -7,6 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
+from station.operations.workers import Failed
 from station.suggestions import MEASURED_CURVE
 from station.workbench import tasks, widgets
 from station.workbench.others_menu import others_menu
@@ -15,7 +16,6 @@ from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.statements import called
 from station.workbench.view_models import MOST_CARDS, Drawn, View
-from station.workbench.worker import Failed
 
 
 class CardsPanel:

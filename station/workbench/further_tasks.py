@@ -17,6 +17,7 @@ from station.operations.identifying import identify_session, write_view
 from station.operations.mystery import hidden_words, true_values, what_was_hidden
 from station.operations.refining import Refinement
 from station.operations.viewer_tabs import kept_tabs
+from station.operations.workers import Say
 from station.report.write import write_report
 from station.results.ladder import read_ladder
 from station.settings import Settings
@@ -25,7 +26,6 @@ from station.text.numbers import with_names
 from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
 from station.workbench.parts import part
-from station.workbench.worker import Say
 
 
 def export(settings: Settings, say: Say, folder: Path) -> str:

@@ -8,6 +8,7 @@ from nicegui import background_tasks, ui
 
 from identify.formatting import plain_name
 from station.operations import refining
+from station.operations.workers import Failed
 from station.report.write import NAME
 from station.workbench import further_tasks, tasks, telling, widgets
 from station.workbench.app_state import AppState
@@ -23,7 +24,6 @@ from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.statements import switched_off
 from station.workbench.waiting import BusyLine, TellingPanel
-from station.workbench.worker import Failed
 
 TICK_S = 0.05
 SLOW_S = 0.4

@@ -9,12 +9,12 @@ from nicegui import ui
 from daq.errors import StationError
 from daq.session import Session
 from station.exits import Problem
+from station.operations.workers import Failed
 from station.workbench import further_tasks, tasks, widgets
 from station.workbench.app_state import AppState
 from station.workbench.session_list import address_of
 from station.workbench.session_state import SessionState
 from station.workbench.stored_sessions import describe, rename, to_bin
-from station.workbench.worker import Failed
 
 
 class SessionMenu:

@@ -11,6 +11,7 @@ from typing import Any
 from nicegui import Event
 
 from station.operations import refining
+from station.operations.workers import Failed, Say, Task, WorkerPool
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.pipeline import silent
@@ -19,7 +20,6 @@ from station.workbench import tasks
 from station.workbench.opened_session import results_stamp
 from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
-from station.workbench.worker import Failed, Say, Task, WorkerPool
 
 MOST_UNDONE = 50
 

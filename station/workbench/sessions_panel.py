@@ -10,6 +10,7 @@ from nicegui import events, ui
 
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
+from station.operations.workers import Failed, Task
 from station.workbench import further_tasks, widgets
 from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices
@@ -19,7 +20,6 @@ from station.workbench.session_list import Entry, address_of
 from station.workbench.stored_sessions import plain_name
 from station.workbench.view_models import Imported, ImportQuestion
 from station.workbench.waiting import Waiting
-from station.workbench.worker import Failed, Task
 
 LARGEST = 200 << 20
 FEW = 4

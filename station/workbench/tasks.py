@@ -22,6 +22,7 @@ from station.operations.diagnosing import check_same_bench, diagnose_sessions, k
 from station.operations.examples import EXAMPLES, examples_folder
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
+from station.operations.workers import Say
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
@@ -36,7 +37,6 @@ from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
 from station.workbench.statements import called, with_effect
 from station.workbench.view_models import MOST_CARDS, Drawn, View
-from station.workbench.worker import Say
 
 
 def look(settings: Settings, say: Say, folder: Path) -> View:

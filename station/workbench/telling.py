@@ -14,6 +14,7 @@ from station.operations.comparing import compare_session
 from station.operations.identifying import identify_session
 from station.operations.session_curves import kept_curves
 from station.operations.validating import validate_sessions
+from station.operations.workers import Say
 from station.report.loop import curves_of, where_it_fails
 from station.results.ladder import read_ladder
 from station.settings import Settings
@@ -25,7 +26,6 @@ from station.views.identification_figures import record
 from station.views.palette import PAGE
 from station.workbench.opened_session import kept_diagnosis, open_session
 from station.workbench.parts import part
-from station.workbench.worker import Say
 
 
 def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told | str], *arguments: Any) -> str:

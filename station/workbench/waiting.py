@@ -6,11 +6,11 @@ from typing import Any
 
 from nicegui import ui
 
+from station.operations.workers import Failed, Task, WorkerPool
 from station.text.content import Told
 from station.workbench import telling, widgets
 from station.workbench.parts import part
 from station.workbench.session_state import SessionState
-from station.workbench.worker import Failed, Task, WorkerPool
 
 
 class BusyLine:

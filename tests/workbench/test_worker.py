@@ -11,10 +11,12 @@ from typing import Any
 
 import pytest
 
+from station.operations import workers as worker
 from station.settings import Settings
 from station.story.engineering_values import UNKNOWN
-from station.workbench import tasks, worker
+from station.workbench import tasks
 from station.workbench.app_state import AppState
+from station.workbench.on_the_page import on_the_page
 from station.workbench.session_state import Running, SessionState
 from station.workbench.view_models import Drawn
 
@@ -185,7 +187,7 @@ def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
     ],
 )  # fmt: skip
 def test_the_page_names_no_option_of_a_command(typed, shown):
-    assert worker.on_the_page(typed) == shown
+    assert on_the_page(typed) == shown
 
 
 def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():

@@ -1,10 +1,11 @@
-"""Workers: processes that compute while the page stays awake. Cancelling who waits for a task ends its process."""
+"""Workers: processes that compute for a page that stays awake, or for a campaign. Cancelling a task ends its process."""
 
 import asyncio
 import contextlib
 import multiprocessing
-import re
+import os
 import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
@@ -19,14 +20,7 @@ from station.settings import Settings
 from station.story.pipeline import silent
 
 MOST = 2
-OPTION = re.compile(
-    r"""see\ `[^`]+`,\ or\                                             # another command
-    |\ \([^()]*--[a-z][^()]*\)                                      # what an option does, in brackets
-    |,?(?:\ (?:as|as\ in|with))?\ --[a-z][a-z-]*(?:\ [\w.]+=(?:'[^']*'|[^\s;,)]+)|\ [\w.-]*\d[\w.-]*)?""",
-    re.VERBOSE,
-)
-"""What a message says to who types commands."""
-
+LOST = "the computation ended unexpectedly (out of memory?); nothing recorded is lost"
 Say = Callable[[Any], None]
 """Called with what a task does, in words, or with a part of what it finds."""
 
@@ -38,8 +32,8 @@ class Failed(Exception):
     """A computation failed; the message is a sentence for the operator."""
 
 
-class Ended(Exception):
-    """The process ended before its task did."""
+class Ended(Failed):
+    """The process ended before its task did, as one that is killed."""
 
 
 class Worker:
@@ -49,7 +43,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
         self._process = context.Process(
-            target=_serve, args=(other, settings), daemon=True, name="workbench-worker"
+            target=_serve, args=(other, settings), daemon=True, name="station-worker"
         )
         self._process.start()
         other.close()
@@ -69,7 +63,7 @@ class Worker:
                 else:
                     raise Failed(content)
         except (EOFError, OSError) as error:
-            raise Ended from error
+            raise Ended(LOST) from error
 
     def end(self) -> None:
         """End the process; a task that it is doing raises Ended."""
@@ -77,14 +71,10 @@ class Worker:
         self._process.join()
 
 
-def on_the_page(words: str) -> str:
-    """Leave out of a message the options and commands that nobody can type on the page."""
-    return OPTION.sub("", words)
-
-
 def _serve(pipe: Connection, settings: Settings) -> None:
     """Do what comes through the pipe until it is closed; runs in the worker's process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then ends its workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program, which then ends its workers
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     say_in_one_line()
     try:
         while True:
@@ -92,11 +82,18 @@ def _serve(pipe: Connection, settings: Settings) -> None:
             try:
                 result = task(settings, lambda content: pipe.send(("said", content)), *arguments)
             except Exception as error:
-                pipe.send(("failed", on_the_page(sentence_of(error))))
+                pipe.send(("failed", sentence_of(error)))
             else:
                 pipe.send(("done", result))
-    except (EOFError, OSError):  # the server has gone
+    except (EOFError, OSError):  # the program has gone
         return
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _finish_changes(arguments: tuple[Any, ...]) -> None:
@@ -108,13 +105,16 @@ def _finish_changes(arguments: tuple[Any, ...]) -> None:
 
 
 class WorkerPool:
-    """A few workers that share the tasks; those of one key go to the one whose cache knows it where it is free."""
+    """A few workers that share the tasks; those of one key go to the one whose cache knows it where it is free.
 
-    def __init__(self, settings: Settings, most: int = MOST) -> None:
-        self._settings = settings
+    What a task failed of is `worded` for who reads it.
+    """
+
+    def __init__(self, settings: Settings, most: int = MOST, worded: Callable[[str], str] = str) -> None:
+        self._settings, self._worded = settings, worded
         self._workers = [Worker(settings) for _ in range(most)]
         self._free = asyncio.Condition()
-        self._threads = ThreadPoolExecutor(thread_name_prefix="workers")
+        self._threads = ThreadPoolExecutor(2 * most, "workers")  # some wait for a worker that is ended
 
     async def do(self, key: str, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task when a worker is free; `say` is called in this loop. Raises Failed; cancelled, it ends the worker."""
@@ -125,14 +125,13 @@ class WorkerPool:
 
         try:
             return await loop.run_in_executor(self._threads, worker.do, task, arguments, said)
-        except (asyncio.CancelledError, Ended) as ended:
+        except (asyncio.CancelledError, Ended):
             await asyncio.to_thread(worker.end)
             await asyncio.to_thread(_finish_changes, arguments)
             self._workers[self._workers.index(worker)] = Worker(self._settings)
-            if isinstance(ended, Ended):
-                lost = "the computation ended unexpectedly (out of memory?); nothing recorded is lost"
-                raise Failed(lost) from None
             raise
+        except Failed as failure:
+            raise Failed(self._worded(str(failure))) from None
         finally:
             async with self._free:
                 worker.busy = False
