@@ -139,11 +139,11 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
 
 def _told(file: Path, imported: "Imported") -> Told:
     from daq.session_reading import RECIPE
+    from station.text.record_text import sampling
 
     rows = []
     for recording in imported.recordings:
-        samples = recording.samples.shape[1]
-        size = f"{samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
+        size = sampling(recording.samples.shape[1], recording.rate, recording.rate_std)
         rows.append(("record", f"run {recording.run}: {size}" if recording.run else size))
     rows.append(("channels", ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)))
     rows += [("", note) for note in imported.notes]

@@ -18,7 +18,7 @@ def command(
     from identify.preprocessing.release import find_releases
     from station.operations.current_model import current_model
     from station.results.sessions import open_session
-    from station.story.preparation import Options, free_decay
+    from station.story.preparation import Options, free_decay, length_unit
     from station.text.content import Told, facts
     from station.text.layout import answer
 
@@ -48,7 +48,9 @@ def command(
         "model": names,
         "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
     }
-    words = Told(str(opened.folder), "", facts(_rows(document, recording.rate, model)))
+    words = Told(
+        str(opened.folder), "", facts(_rows(document, recording.rate, length_unit(recording), model))
+    )
     steps = {"identification.json": "identify", "comparison.json": "compare", "diagnosis.json": "diagnose"}
     missing = [command for name, command in steps.items() if name not in document["results"]]
     step = "report" if "ladder.json" in document["results"] or not missing else missing[0]
@@ -60,19 +62,19 @@ def command(
     answer(document, words, *following)
 
 
-def _rows(document: dict[str, Any], rate: float, model: str) -> list[tuple[str, str]]:
-    from station.text.flags import flagged_lines
+def _rows(document: dict[str, Any], rate: float, length: str, model: str) -> list[tuple[str, str]]:
+    from station.story.engineering_values import Weighing
+    from station.text.record_text import flagged_lines, mass_words, sampling
 
-    samples, lost = document["samples"], document["lost_samples"]
-    verdict = document["verdict"]
+    sampled, verdict = sampling(document["samples"], rate, document["rate_std_hz"]), document["verdict"]
     return [
         ("made", document["created"]),
         ("state", ": ".join(filter(None, (document["state"], document["reason"])))),
         ("source", document["source_file"] or document["source"]),
         ("operator", document["operator"]),
         ("specimen", document["specimen"]),
-        ("mass", "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"),
-        ("record", f"{samples} samples at {rate:g} Hz ({samples / rate:.3f} s), {lost} lost"),
+        ("mass", mass_words(Weighing(document["mass_kg"], document["mass_std_kg"], length))),
+        ("record", f"{sampled}, {document['lost_samples']} lost"),
         ("channels", ", ".join(f"{c['name']} [{c['unit']}]" for c in document["channels"])),
         ("model", model),
         ("results", ", ".join(document["results"]) or "none yet"),

@@ -41,7 +41,7 @@ def equation(found: Findings) -> list[Part]:
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s"
-            f"{weighing.words and f'; all {weighing.words}'}."
+            f"{weighing.words and f'; {weighing.words}'}."
         ),
         _parameters(fit, weighing),
     ]

@@ -12,6 +12,7 @@ from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import typeset_unit
+from station.text.record_text import mass_words
 from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"
@@ -57,7 +58,7 @@ def _measured(found: Findings) -> tuple[Part, ...]:
             ("specimen", info.specimen),
             ("test", f"free decay, {'recorded' if info.board else 'imported'} {day}, {seconds:.4g} s{taken}"),
             ("operator", info.operator),
-            ("mass", mass_words(found)),
+            ("mass", mass_words(found.weighing)),
             ("sensors", channels),
         )
     )
@@ -65,15 +66,6 @@ def _measured(found: Findings) -> tuple[Part, ...]:
 
 def _calibrated(uncertainty: float | None) -> str:
     return "calibration not stated" if uncertainty is None else f"calibrated to {100 * uncertainty:.2g} %"
-
-
-def mass_words(found: Findings) -> str:
-    """Write the mass, or that there is none."""
-    mass, std, unit = found.weighing.mass, found.weighing.mass_std, found.weighing.unit
-    if mass is None:
-        return found.weighing.worded("not stated: all results are per unit mass")
-    name = "kg m²" if unit == "rad" else "kg"
-    return f"{with_error(mass, std)} {name}" if std else f"{mass:g} {name} (its uncertainty was not stated)"
 
 
 def _explaining(found: Findings) -> tuple[Fit, str] | None:

@@ -6,14 +6,14 @@ from datetime import UTC
 from daq.recording import Channel
 from identify.formatting import three_figures, with_error
 from station.report.findings import Findings
-from station.report.first_page import NOT_STATED, mass_words
+from station.report.first_page import NOT_STATED
 from station.results.identification_document import amplitude
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
 from station.text.numbers import scale, typeset_unit
+from station.text.record_text import flagged_lines, mass_words, sampling
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
 
@@ -29,8 +29,8 @@ def setup(found: Findings) -> list[Part]:
         ("operator", info.operator or NOT_STATED),
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
         ("source", info.source_file or info.source or NOT_STATED),
-        ("mass", mass_words(found)),
-        ("sampling", _sampling(found)),
+        ("mass", mass_words(found.weighing)),
+        ("sampling", sampling(recording.samples.shape[1], recording.rate, recording.rate_std)),
         ("remarks", info.remarks),
     ]
     if board is not None:
@@ -42,15 +42,6 @@ def setup(found: Findings) -> list[Part]:
         texts=5,
     )
     return [*facts(rows), table]
-
-
-def _sampling(found: Findings) -> str:
-    recording = found.recording
-    n = recording.samples.shape[1]
-    std = recording.rate_std
-    rate = with_error(recording.rate, std) if std else f"{recording.rate:.8g}"
-    given = "" if std else "; the rate is taken as exact"
-    return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s{given}"
 
 
 def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:

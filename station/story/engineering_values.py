@@ -85,7 +85,7 @@ class Weighing:
     @property
     def words(self) -> str:
         """What forces and strengths are where no mass is known; "" where it is."""
-        return "" if self.mass is not None else self.worded("per unit mass: the mass is not given")
+        return "" if self.mass is not None else self.worded("the mass is not given: all is per unit mass")
 
     def worded(self, words: str = "force per unit mass") -> str:
         """Write words of forces per unit mass as what is shown: forces with a mass, torques and inertias of angles."""

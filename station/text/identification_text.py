@@ -10,6 +10,7 @@ from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import damping_label, noise_scale, typeset, typeset_unit
+from station.text.record_text import mass_words, sampling
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -39,12 +40,11 @@ def next_command(result: Identification) -> str:
 def _facts(result: Identification) -> list[tuple[str, str]]:
     decay, release, found = result.decay, result.release, result.adequacy
     names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
-    unit = "kg m²" if decay.unit == "rad" else "kg"
-    mass = result.weighing.words or f"{decay.mass:g} {unit}"
-    given = ", taken as exact" if decay.rate_std is None else ""
+    sampled = sampling(len(decay), decay.rate, decay.rate_std)
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
-        ("record", f"{len(decay)} samples at {decay.rate:g} Hz{given} ({' and '.join(names)}), {mass}"),
+        ("record", f"{sampled}: {' and '.join(names)}"),
+        ("mass", mass_words(result.weighing)),
         ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
         ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
         ("noise", ", ".join(f"{channel} {noise}" for channel, noise in noise_of(result))),
