@@ -13,11 +13,11 @@ from firmware_protocol import Hello
 from identify.diagnosis.diagnose import diagnose
 from identify.errors import NotIdentifiable
 from identify.formatting import among, plain_name
-from identify.free_decay import FreeDecay
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.weighed_anew import weighed_anew
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.story.pipeline import silent
+from station.story.preparation import Options, free_decay
 
 _SHARE = 0.4
 """Share of the record after which it is looked at: at less, slow decays have hardly begun."""
@@ -83,16 +83,12 @@ class Provisional(CaptureObserver):
 
     def _weigh(self, samples: Array, began: int) -> None:
         known: Mask = np.all(np.isfinite(samples), axis=0)
-        faults = sensor_faults(Recording(self._rate, self._channels, samples, known, trigger=began))
-        if any(run.flag is Flag.SATURATED for run in faults.runs):  # what is cut off weighs for nothing
+        recording = Recording(self._rate, self._channels, samples, known, trigger=began)
+        flags = [run.flag for run in sensor_faults(recording).runs]
+        if Flag.SATURATED in flags:  # what is cut off weighs for nothing
             return
-        readings = {
-            c.quantity: row
-            for c, row in zip(self._channels, samples, strict=True)
-            if c.quantity in ("displacement", "velocity", "acceleration")
-        }
         try:
-            new = prepare(FreeDecay(rate=self._rate, **readings))
+            new = prepare(free_decay(recording, Options()))
             self.answer = self._of(new)
         except NotIdentifiable:
             return

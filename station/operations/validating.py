@@ -10,7 +10,6 @@ from identify.errors import NotIdentifiable
 from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.parameter_layout import in_unit
 from identify.fitting.validation import Validated, validate
-from identify.formatting import three_figures
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -27,6 +26,7 @@ from station.settings import Settings
 from station.story.known_model import KnownModel
 from station.story.pipeline import Progress, silent
 from station.story.preparation import prepare_session
+from station.text.validation_text import left
 
 OWN = "the model was fitted to it"
 
@@ -71,8 +71,8 @@ def validate_sessions(
 
     def report(one: Validated) -> None:
         progress(
-            f"{names[one.index]}: {_percent(one.usual.motion_percent)} of the motion by the usual model, "
-            f"{_percent(one.model.motion_percent)} by this one"
+            f"{names[one.index]}, residual in % of the motion: {left(one.usual.motion_percent)} by the usual model, "
+            f"{left(one.model.motion_percent)} by this one"
         )
 
     found = validate(given.known.model, given.known.values, decays, fitted_to=own, hold=hold, progress=report)
@@ -161,7 +161,3 @@ def _check_suits(given: GivenModel, name: str, decay: PreparedDecay) -> None:
                     f"{name} has a displacement in {unit}, the model another unit: {entry.effect}.{parameter} is in "
                     f"{value.unit}, not in {expected}; validate it on sessions in the unit that it was fitted in"
                 )
-
-
-def _percent(value: float) -> str:
-    return "a run that diverges, not any part" if value == float("inf") else f"{three_figures(value)} %"

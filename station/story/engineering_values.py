@@ -40,7 +40,6 @@ _NAMES = {
     LinearPart.DRY_FRICTION: "friction force",
     LinearPart.DAMPING: "viscous damping c",
 }
-_NAMES_OF_ANGLES = _NAMES | {LinearPart.DRY_FRICTION: "friction moment"}
 
 
 @dataclass(frozen=True)
@@ -141,12 +140,12 @@ def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, 
         value = fit.of(term, 0)[term.effect.strength.name]
         part = term.force.linear_part
         name = (
-            (_NAMES_OF_ANGLES if weighing.unit == "rad" else _NAMES).get(part) if part is not None else None
+            weighing.worded(_NAMES[part])
+            if part is not None
+            else f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
         )
-        if part is None:
-            name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
         whole = value if term.force.relative else weighing.strength(value)
-        found.append(EngineeringValue(str(name), whole, None if whole is value else value))
+        found.append(EngineeringValue(name, whole, None if whole is value else value))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}
         found += [

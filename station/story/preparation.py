@@ -10,13 +10,10 @@ from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.prepared_decay import BESIDE_OTHERS, PreparedDecay, prepare
-from station.settings import Settings
+from station.settings import Identify, Settings
 from station.story.engineering_values import Weighing
 
 MOTION = ("displacement", "velocity", "acceleration")
-MAX_ORDER, STIFFNESS_ORDERS = 3, (1,)
-"""Orders of damping and stiffness that are tried where nobody chose any."""
-
 DELAY_UNCERTAINTY = 0.15
 """Relative uncertainty of a stated delay: the resistors inside of sensors are good to 15 %."""
 
@@ -27,13 +24,13 @@ class Options:
 
     mass: float | None = None
     mass_std: float | None = None
-    max_order: int = MAX_ORDER
-    stiffness_orders: tuple[int, ...] = STIFFNESS_ORDERS
+    max_order: int = Identify().max_order
+    stiffness_orders: tuple[int, ...] = Identify().stiffness_orders
 
     @property
     def orders_chosen(self) -> bool:
         """Whether the orders are other than those that are tried where nobody chose any."""
-        return (self.max_order, tuple(self.stiffness_orders)) != (MAX_ORDER, STIFFNESS_ORDERS)
+        return Identify(max_order=self.max_order, stiffness_orders=self.stiffness_orders) != Identify()
 
 
 def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:

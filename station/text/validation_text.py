@@ -1,5 +1,7 @@
 """A validation in words: the verdict, then the errors of prediction session by session."""
 
+import math
+
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name, three_figures
 from station.results.validation_document import ValidationDocument
@@ -34,7 +36,7 @@ def predictions(document: ValidationDocument) -> Table:
         word = "better" if one.better else "worse" if one.worse else "alike"
         noise = [None if m.chi2 is None else noise_multiple(m.chi2) for m in (one.usual, one.model)]
         motion = (one.usual.motion_percent, one.model.motion_percent)
-        rows.append((one.session, *(_left(value) for value in (*motion, *noise)), word))
+        rows.append((one.session, *(left(value) for value in (*motion, *noise)), word))
         marks.append("noise" if one.better else "")
     head = ("session", "% of motion,\nusual model", "\nthis model", "times noise,\nusual model", "\nthis model",
             "this one\nis")  # fmt: skip
@@ -57,5 +59,6 @@ def _refitted(document: ValidationDocument) -> str:
     )
 
 
-def _left(value: float | None) -> str:
-    return "diverges" if value is None else three_figures(value)
+def left(value: float | None) -> str:
+    """Write what a model leaves, or that its run diverges."""
+    return "diverges" if value is None or math.isinf(value) else three_figures(value)
