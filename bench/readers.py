@@ -23,8 +23,7 @@ from identify.effects.library import LIBRARY
 from identify.effects.user import parse_effect
 from identify.model.model import base_model
 from station.exits import Problem
-from station.results.diagnosis_document import read_diagnosis, refused_document
-from station.results.diagnosis_parts import SuspectDocument
+from station.results.diagnosis_document import SuspectDocument, read_diagnosis, refused_document
 from station.results.ladder import read_ladder
 from station.results.models import ModelFile, known_model, read_model
 from station.settings import load_settings

@@ -5,7 +5,7 @@ from typing import Any
 from pydantic import Field
 
 from identify.diagnosis.guidance import State
-from station.results.diagnosis_parts import HypothesisDocument
+from station.results.diagnosis_document import HypothesisDocument
 from station.results.documents import Document, Number, Part
 
 NAME = "guide.json"

@@ -7,8 +7,12 @@ from pathlib import Path
 from identify.formatting import DASH, among, plain_name, three_figures, with_error
 from identify.judging.verdict import HEADLINES
 from station.results.confirmation_document import PredictionErrors
-from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import FindingDocument, SharesDocument, SuspectDocument
+from station.results.diagnosis_document import (
+    DiagnosisDocument,
+    FindingDocument,
+    SharesDocument,
+    SuspectDocument,
+)
 from station.results.documents import EstimateDocument
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain

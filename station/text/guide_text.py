@@ -9,8 +9,7 @@ from rich.text import Text
 from daq.capture import CaptureObserver
 from identify.diagnosis.guidance import MOST, Guidance, State
 from identify.formatting import odds_words
-from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
 from station.text.capture_progress import Watch
 from station.text.content import Told, Tone, facts

@@ -12,7 +12,7 @@ from identify.curves.laid_over import DecayCurves, LaidOver
 from identify.diagnosis.force_map import ForceMap
 from identify.estimate import Estimate
 from identify.formatting import plain_name
-from station.results.diagnosis_parts import CurveDocument
+from station.results.diagnosis_document import CurveDocument
 from station.story.engineering_values import Weighing
 from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale, scale_as_recorded

@@ -15,8 +15,7 @@ from station.exits import sentence_of
 from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
-from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import HypothesisDocument
+from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES

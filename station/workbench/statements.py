@@ -3,8 +3,7 @@
 import math
 
 from identify.formatting import plain_name, three_figures
-from station.results.diagnosis_document import DiagnosisDocument
-from station.results.diagnosis_parts import SuspectDocument
+from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import name_of
 from station.story.residual import explained_words, times

@@ -18,8 +18,7 @@ from identify.evidence import Evidence
 from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
-from station.results.diagnosis_document import DiagnosisDocument, refused_document
-from station.results.diagnosis_parts import ShapeDocument
+from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, refused_document
 from station.story.engineering_values import UNKNOWN
 from station.text.diagnosis_text import confirmed_by, next_command, predictions, residuals, told
 from station.text.layout import show

@@ -14,7 +14,7 @@ from station.exits import UsageProblem
 from station.operations import guiding
 from station.operations.guiding import SMALLER, GuidedTest, _again, guide, limits_of
 from station.operations.provisional import Provisional
-from station.results.diagnosis_parts import HypothesisDocument
+from station.results.diagnosis_document import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.guide_text import gave, odds_chart, percent

@@ -5,7 +5,7 @@ import pytest
 from identify.estimate import Estimate
 from identify.formatting import SPACE, quantities, quantity, three_figures as figures, with_error
 from station.cli import in_plain_words, run
-from station.results.diagnosis_parts import FindingDocument
+from station.results.diagnosis_document import FindingDocument
 from station.results.documents import EstimateDocument
 from station.results.models import Value
 from station.text.diagnosis_text import found_in_sensor

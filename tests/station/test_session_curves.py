@@ -12,8 +12,7 @@ from daq.session import Session
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.report.loop import suspects
-from station.results.diagnosis_document import read_diagnosis
-from station.results.diagnosis_parts import CurveDocument
+from station.results.diagnosis_document import CurveDocument, read_diagnosis
 from station.settings import Settings
 from station.story.engineering_values import UNKNOWN, Weighing
 from station.views import diagnosis_figures
