@@ -10,8 +10,7 @@ from station.report.first_page import NOT_STATED
 from station.results.identification_document import amplitude
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
-from station.text.layout import sentence
+from station.text.identification_text import KINDS, alignment_rows, noise_of
 from station.text.numbers import scale, typeset_unit
 from station.text.record_text import flagged_lines, mass_words, sampling
 from station.views.identification_figures import record
@@ -131,16 +130,9 @@ def alignment(found: Findings) -> list[Part]:
     result = found.identification
     if result is None or result.alignment is None:
         return [Paragraph(f"The channels were not aligned: {_ended(found.left_out['alignment'])}")]
-    said = facts(
-        (
-            ("lag", sentence(lag_words(result))),
-            ("method", f"{result.alignment.method}; no law of force is used"),
-            ("without it", uncorrected(result)),
-        )
-    )
     picture = picture_of_lag(result)
     caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
-    return [*said, *([] if picture is None else [Figure(caption, picture)])]
+    return [*facts(alignment_rows(result)), *([] if picture is None else [Figure(caption, picture)])]
 
 
 def provenance(found: Findings) -> list[Part]:

@@ -6,9 +6,8 @@ import rerun.blueprint as rrb
 
 from identify.arrays import Array
 from station.story.identification import Identification
-from station.text.content import markdown
-from station.text.identification_text import lag_words, told, uncorrected
-from station.text.layout import sentence
+from station.text.content import facts, markdown
+from station.text.identification_text import alignment_rows, told
 from station.text.numbers import scale
 from station.views import identification_figures as figures, log, palette
 from station.views.overlay import alignment as picture_of_lag, overlay
@@ -27,10 +26,10 @@ def capture(stream: rr.RecordingStream, look: Look, name: str, result: Identific
             title, shown = f"{channel.capitalize()} as recorded [{unit}]", np.where(kept, recorded, np.nan)
             line = (title, shown * factor, colour, 1.5)
             views.append(log.curves(stream, title, f"/capture/{channel}", decay.time, {"": line}))
-    facts = f"# {name}\n\n{markdown(told(name, result).brief[:1])}"
+    record = f"# {name}\n\n{markdown(told(name, result).brief[:1])}"
     return rrb.Horizontal(
         rrb.Vertical(*views, _states(stream, result), row_shares=[4.0] * len(views) + [1.2]),
-        log.markdown(stream, "Record", "/capture/facts", facts),
+        log.markdown(stream, "Record", "/capture/facts", record),
         column_shares=[2.4, 1],
         name="Capture",
     )
@@ -53,11 +52,7 @@ def _states(stream: rr.RecordingStream, result: Identification) -> rrb.View:
 
 def alignment(stream: rr.RecordingStream, look: Look, name: str, result: Identification) -> rrb.Container:
     """Show the channels over each other before and after, and what the lag would have spoiled."""
-    words = sentence(lag_words(result))
-    if result.alignment is not None:
-        words += f"\n\nFound by {result.alignment.method}; no law of force is used."
-    warning = uncorrected(result)
-    words += f"\n\nWithout the correction {warning}." if warning else ""
+    words = markdown(facts(alignment_rows(result)))
     views = [log.markdown(stream, "Lag", "/alignment/text", words)]
     shown = overlay(result)
     if shown is None:
