@@ -7,6 +7,7 @@ import click
 
 from station.commands.options import SESSION, declared, option
 from station.exits import UsageProblem
+from station.output import asked_for_json, say
 from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
@@ -56,4 +57,6 @@ def command(
     columns = ", ".join(f"{name} [{unit}]" for name, unit in document["channels"].items())
     rows = [("columns", f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")]
     rows += [(name, exported.facts.get(name, "")) for name in ("channels", "lag_s", "lag_std_s")]
-    answer(document, Told(f"written: {target} ({form}, {size / 1000:.0f} kB)", "", facts(rows)))
+    if not asked_for_json():
+        say(f"written: {target} ({form}, {size / 1000:.0f} kB)")
+    answer(document, Told("", "", facts(rows)))

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import SESSION, declared, option
-from station.output import progress
+from station.output import asked_for_json, progress, say
 from station.settings import Settings
 
 NO_FOLDER = click.Path(path_type=Path, dir_okay=False)
@@ -40,8 +40,9 @@ def command(
         "report": str(report.resolve()),
         "left_out": left_out,
     }
-    words = Told(f"report: {report}", "", facts(rows))
-    answer(document, words, *(() if with_browser else ("report", session, "--open")))
+    if not asked_for_json():
+        say(f"report: {report}")
+    answer(document, Told("", "", facts(rows)), *(() if with_browser else ("report", session, "--open")))
     if with_browser:
         import webbrowser
 
