@@ -51,22 +51,6 @@ class EngineeringValue:
     per_mass: Estimate | None = None
 
 
-def times_mass(
-    value: Estimate, mass: float, mass_std: float | None = None, unit: str = "m"
-) -> Estimate | None:
-    """Return a strength per unit mass times the mass in kg (kg m^2 where the displacement's `unit` is rad).
-
-    The error of the mass joins that of the value. None for a pure number, which is a share of the mass.
-    """
-    known, kg = (_TIMES_INERTIA, "kg m^2") if unit == "rad" else (_TIMES_MASS, "kg")
-    if value.unit in ("", "1"):
-        return None
-    spelled = known.get(value.unit) or f"{kg} {value.unit}".replace(" 1/", "/")
-    return Estimate(
-        value.value * mass, math.hypot(value.std * mass, value.value * (mass_std or 0.0)), spelled
-    )
-
-
 @dataclass(frozen=True)
 class Weighing:
     """The mass in kg (kg m^2 for a displacement in rad), where it is known: forces and strengths are in N, kg and s then."""
@@ -76,7 +60,7 @@ class Weighing:
     unit: str = "m"
 
     @property
-    def newtons(self) -> tuple[float, str]:
+    def force_scale(self) -> tuple[float, str]:
         """The factor from a force per unit mass to the force that is shown, and its unit."""
         shown = DiscrepancyText(self.unit, self.mass)
         return shown.force_scale, shown.force_unit
@@ -92,11 +76,17 @@ class Weighing:
         return shown.replace("force", "torque").replace("mass", "inertia") if self.unit == "rad" else shown
 
     def strength(self, found: Any) -> Any:
-        """Return a strength (or None) with the mass in it, where both are known and the strength is no pure number."""
-        if self.mass is None or found is None or found.value is None:
+        """Return a strength (or None) with the mass in it, where both are known and the strength is no pure number.
+
+        The error of the mass joins that of the strength.
+        """
+        if self.mass is None or found is None or found.value is None or found.unit in ("", "1"):
             return found
-        bare = Estimate(found.value, math.nan if found.std is None else found.std, found.unit)
-        return times_mass(bare, self.mass, self.mass_std, self.unit) or found
+        known, kg = (_TIMES_INERTIA, "kg m^2") if self.unit == "rad" else (_TIMES_MASS, "kg")
+        unit = known.get(found.unit) or f"{kg} {found.unit}".replace(" 1/", "/")
+        std = math.nan if found.std is None else found.std
+        error = math.hypot(std * self.mass, found.value * (self.mass_std or 0.0))
+        return Estimate(found.value * self.mass, error, unit)
 
     def weighed(self, effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Return the parameters of an effect with the mass in its strength, the first of them, if it is a force.
@@ -137,22 +127,14 @@ def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, 
     """
     found = []
     for term in fit.model.forces:
-        value = fit.of(term, 0)[term.effect.strength.name]
-        part = term.force.linear_part
-        name = (
-            weighing.worded(_NAMES[part])
-            if part is not None
-            else f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
-        )
-        whole = value if term.force.relative else weighing.strength(value)
-        found.append(EngineeringValue(name, whole, None if whole is value else value))
-        named = part is None and term.effect in LIBRARY
-        inner = fit.of(term, 0) if named else {}
-        found += [
-            EngineeringValue(f"{plain_name(term.effect.name)}, {other}", estimate)
-            for other, estimate in inner.items()
-            if other != term.effect.strength.name
-        ]
+        part, bare = term.force.linear_part, fit.of(term, 0)
+        inner = part is None and term.effect in LIBRARY
+        for name, value in weighing.weighed(term.effect.name, bare).items():
+            called = (
+                f"{plain_name(term.effect.name)}, {name}" if part is None else weighing.worded(_NAMES[part])
+            )
+            if inner or name == term.effect.strength.name:
+                found.append(EngineeringValue(called, value, None if value is bare[name] else bare[name]))
     return (*found, *_of_the_oscillation(fit))
 
 

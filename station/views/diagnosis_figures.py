@@ -32,7 +32,7 @@ BAND = 2.0
 
 def force_maps(maps: Sequence[tuple[str, ForceMap]], weighing: Weighing) -> Picture:
     """Draw the mean force over the phase of the cycle: what the model lacks, then what each suspect would add."""
-    size, unit = weighing.newtons
+    size, unit = weighing.force_scale
     drawn, axes = figure(PAPER, 2.1, 1, len(maps), sharey=True, width=min(6.9, 1.9 * len(maps) + 0.6))
     for axis, (name, found) in zip(axes, maps, strict=True):
         degrees = np.degrees(0.5 * (found.phase[1:] + found.phase[:-1]))
@@ -55,7 +55,7 @@ def _reach(found: ForceMap) -> float:
 
 def shape(curve: CurveDocument, weighing: Weighing) -> Picture:
     """Draw the free form of a force that has no name, with two standard errors."""
-    size, unit = weighing.newtons
+    size, unit = weighing.force_scale
     position, force, std = (
         np.array(one, dtype=float) for one in (curve.position, curve.force_per_mass, curve.std)
     )

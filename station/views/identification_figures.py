@@ -155,7 +155,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
 
 def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER) -> Picture:
     """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
-    length, (size, unit) = weighing.unit, weighing.newtons
+    length, (size, unit) = weighing.unit, weighing.force_scale
     factor, name = scale("displacement", length)
     drawn, axes = figure(look, 2.3, 1, 2)
     first = (found.section_zero_velocity, factor, f"displacement [{name}]", "at velocity 0: the springs")

@@ -44,7 +44,7 @@ def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, weigh
     """Draw the surface and the measured points in a cube: displacement, velocity and force each from -1 to 1."""
     import matplotlib  # which the figures have loaded blind to the working folder
 
-    length, (size, newton) = weighing.unit, weighing.newtons
+    length, (size, newton) = weighing.unit, weighing.force_scale
     measured = (found.displacement, found.velocity, size * found.force)
     reach = np.array([_round_up(np.max(np.abs(values))) for values in measured])
     vertices, triangles = figures.mesh(found)

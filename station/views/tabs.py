@@ -125,7 +125,7 @@ def results(stream: rr.RecordingStream, look: Look, name: str, result: Identific
         views += _rebuilt(stream, "decay", time, result.rebuilt_decay(result.wavelet), units, palette.WAVELET)
     force = result.restoring_force
     if force is not None:
-        unit, words = result.weighing.newtons, result.weighing.worded()
+        unit, words = result.weighing.force_scale, result.weighing.worded()
         pair = (force.force, force.force_fit)
         views += _rebuilt(stream, words, force.time, pair, (unit, unit), palette.FORCE)
     words = f"**{found.headline}**\n\n{markdown(found.brief)}"

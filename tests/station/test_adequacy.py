@@ -27,7 +27,7 @@ from station.story.adequacy import (
     recording_doubt,
     scale_doubt,
 )
-from station.story.engineering_values import UNKNOWN, Weighing, engineering_values, times_mass
+from station.story.engineering_values import UNKNOWN, Weighing, engineering_values
 from station.story.residual import residual_words
 
 MASS = 21.36
@@ -167,12 +167,13 @@ def test_a_large_ratio_is_a_power_of_ten():
 
 
 def test_the_error_of_the_mass_joins_that_of_the_value():
-    whole = times_mass(Estimate(0.1, 0.001, "m/s^2"), 20.0, 0.5)
+    whole = Weighing(20.0, 0.5).strength(Estimate(0.1, 0.001, "m/s^2"))
     assert (whole.value, whole.unit) == (2.0, "N")
     assert whole.std == pytest.approx(math.hypot(0.02, 0.05))
-    assert times_mass(Estimate(0.1, 0.001, "rad/s^2"), 2.0, None, "rad").unit == "N m"
-    assert times_mass(Estimate(0.1, 0.001, "V/s^2"), 2.0).unit == "kg V/s^2"
-    assert times_mass(Estimate(0.1, 0.001, "1"), 2.0) is None
+    assert Weighing(2.0, None, "rad").strength(Estimate(0.1, 0.001, "rad/s^2")).unit == "N m"
+    assert Weighing(2.0).strength(Estimate(0.1, 0.001, "V/s^2")).unit == "kg V/s^2"
+    share = Estimate(0.1, 0.001, "1")
+    assert Weighing(2.0).strength(share) is share
 
 
 @pytest.mark.slow
