@@ -81,9 +81,8 @@ def command(
     from daq.importing.recipe import read_recipe, to_toml
     from station.operations.new_session import session_info
     from station.output import TYPED
-    from station.results.import_command import explained
     from station.results.kept_recipes import NONE
-    from station.results.sessions import import_file
+    from station.results.sessions import explained, import_file
     from station.safe_text import harmless
     from station.text.layout import answer
 

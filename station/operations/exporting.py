@@ -10,12 +10,11 @@ from daq.recording import Recording
 from daq.session import Session
 from daq.storage import write_whole
 from identify.errors import NotIdentifiable
-from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.signal.fractional_delay import read_at_shift
 from station.exits import UsageProblem
 from station.settings import Settings
-from station.story.preparation import free_decay, options_for
+from station.story.preparation import locate, options_for
 
 _MOVED = ("displacement", "velocity")
 
@@ -31,7 +30,7 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
     if not aligned:
         return Exported(recording, facts)
     try:
-        found = locate_and_align(free_decay(recording, options_for(session, settings)))
+        found = locate(recording, options_for(session, settings))
     except NotIdentifiable as refusal:
         return Exported(
             recording, facts | {"channels": f"as recorded, for they could not be aligned: {refusal}"}

@@ -23,7 +23,6 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import command_line, progress
-from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
 from station.results.session_names import session_folder
 from station.story.free_part import dies_away, free_from
@@ -90,6 +89,22 @@ def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session
     for session in others:
         progress(f"another release of the file: {session.folder}")
     return first
+
+
+def explained(refusal: ImportProblem, typed: Sequence[str | Path]) -> UsageProblem | ImportProblem:
+    """Return a refusal with the command to type, where a recipe is proposed that would do.
+
+    `typed` are the words of the command that imports the file.
+    """
+    if not isinstance(refusal, Doubtful):
+        return refusal
+    proposal = refusal.proposal
+    asked = [] if refusal.settled else ["--rate", "HZ"]
+    command = command_line(*typed, "--accept", *asked)
+    how = "as proposed" if refusal.settled else "as proposed, with its rate in place of HZ"
+    said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
+    where = "These are options of `station import`, and --ask opens the recipe there"
+    return UsageProblem(f"{refusal}. {where}. To read it {how}, type: {command}", **said)
 
 
 def import_file(

@@ -14,6 +14,7 @@ from daq.recording import Array
 from daq.session import Session, SessionSummary, State, list_sessions
 from daq.session_reading import RAW
 from station.results.guide_document import NAME
+from station.story.preparation import MOTION, motion_channels
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.view_models import Numbers
 
@@ -120,12 +121,12 @@ def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
         return "", [], str(error)
     if not recording.channels or recording.samples.shape[1] < 2:
         return "", [], "no samples"
-    places = {channel.quantity: i for i, channel in reversed(list(enumerate(recording.channels)))}
-    row = next((places[q] for q in ("displacement", "velocity", "acceleration") if q in places), 0)
+    motions = motion_channels(recording)
+    channel = next((motions[name] for name in MOTION if name in motions), recording.channels[0])
+    row = recording.channels.index(channel)
     values = np.where(recording.valid, recording.samples[row], np.nan)
     if not np.isfinite(values).any():
         return "", [], "no samples"
-    channel = recording.channels[row]
     factor, unit = scale_as_recorded(channel.quantity, channel.unit)
     largest, line = outline(values)
     return f"{largest * factor:.3g} {typeset(unit)}", line, ""
