@@ -135,7 +135,7 @@ def _found(
     likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
         likely = (
-            _finest(likely, notes)
+            [c for c in likely if not c.clock] or likely
             if is_time
             else _moving(_of_a_sensor(likely, meanings, notes), meanings, notes)
         )
@@ -152,17 +152,6 @@ def _found(
         f"choose one, as in {ask(quantity, _name(first))}{leave}{runs}"
     )
     return first
-
-
-def _finest(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceColumn]:
-    """Return the columns that could be a clock: no time of day beside seconds, and none with half as many different stamps
-    as another.
-    """
-    left = [c for c in columns if not c.clock] or columns
-    stamps = [len(np.unique(c.values[np.isfinite(c.values)])) for c in left]
-    kept = [c for c, n in zip(left, stamps, strict=True) if 2 * n > max(stamps)]
-    notes += [f"{c.place} is a coarser time than {kept[0].place}: left out" for c in columns if c not in kept]
-    return kept
 
 
 def has_gravity(values: Array) -> bool:

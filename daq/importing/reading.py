@@ -82,9 +82,7 @@ class Look:
             settled = recipe != proposal.recipe
             if not settled and (accept or refusal.remedy):
                 raise
-            doubt = (
-                () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
-            )
+            doubt = () if refusal.done else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
             proposal = replace(proposal, recipe=recipe, doubts=(*proposal.doubts, *doubt))
             more = (refusal.done,) if refusal.done else ()
             made = apply(self.table, recipe) if settled else ()

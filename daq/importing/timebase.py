@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.importing.errors import problem
+from daq.importing.errors import place, problem
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.stamps import Index, clock_of_blocks, nominal_rate, rate_within_rounding
+from daq.importing.stamps import Index, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
@@ -97,30 +97,23 @@ def from_stamps(
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
-    blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
     spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
-    rebuilt = blocks is not None or (coarse and uneven)
+    rebuilt = coarse and uneven
     if stray > TOO_IRREGULAR * slope and not spline and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise no_clock(table, column, (time, rows, first), _gap(time), worst, (slope, stray))
-    if blocks is not None:
-        index, (slope, start, rate_std) = np.arange(len(time)), blocks
-        notes.append(
-            f"about {len(time) / len(np.unique(time)):.3g} rows share each time stamp: they were written in blocks, and a "
-            f"stamp is the time at which a block was read; even times were rebuilt at {_rate(1.0 / slope, rate_std)}, as "
-            "the blocks came (or give --rate)"
-        )
-    elif rebuilt:
-        if not column.clock:
-            steps = rounding(column.values)[rows] * unit.scale
-            slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
-        notes.extend(_holes(table, index, time, rows))
+        raise no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
+    notes.extend(_holes(table, index, time, rows))
+    if rebuilt:
+        steps = rounding(column.values)[rows] * unit.scale
+        exact = None if column.clock else rate_within_rounding(index.astype(np.float64), time, steps)
+        if exact is not None and exact[0] > SHORTEST_PERIOD:
+            slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
         notes.append(
             f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
-        notes.extend((*_holes(table, index, time, rows), *_evenness(slope, stray, resample)))
+        notes.append(_evenness(slope, stray, resample))
     return Timebase(
         rate=float(f"{1.0 / slope:.13g}"),
         rate_std=rate_std if stray > COMPUTED * slope else None,
@@ -132,20 +125,6 @@ def from_stamps(
         notes=tuple(notes),
         origin=first + start,
     )
-
-
-def _within_rounding(
-    index: Index, time: Array, steps: Array, line: tuple[float, float, float, float]
-) -> tuple[float, float, float]:
-    """Return period, start and standard error of the rate of stamps that were rounded to `steps`, given their `_line`."""
-    slope, start, stray, rate_std = line
-    exact = rate_within_rounding(index.astype(np.float64), time, steps)
-    if exact is not None and exact[0] > SHORTEST_PERIOD:
-        slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
-    nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
-    if nominal is not None:
-        slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
-    return slope, start, rate_std
 
 
 def _stamps(
@@ -188,13 +167,13 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
     )
 
 
-def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
+def _evenness(slope: float, stray: float, resample: bool) -> str:
     if stray <= EVEN * slope:
-        return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
+        return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
     done = "the mean rate is used and nothing was resampled (--resample does)"
     if resample:
         done = "the samples were put on the even clock by a cubic spline through their stamps, as asked"
-    return (f"{strays(stray, slope)}; {done}",)
+    return f"{strays(stray, slope)}; {done}"
 
 
 def _rate(rate: float, std: float) -> str:
@@ -251,16 +230,6 @@ def _in_order(
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
     return _line(np.arange(len(time)), time)[2]
-
-
-def _gap(time: Array) -> int | None:
-    """Return the row behind the widest gap, where the larger part of the stamps beside it is even; else None."""
-    gap = int(np.argmax(np.diff(time))) + 1
-    part = time[:gap] if 2 * gap >= len(time) else time[gap:]
-    if len(part) < 3 or not part[-1] - part[0] > SHORTEST_PERIOD * len(part):
-        return None
-    slope, _, stray, _ = _line(np.arange(len(part)), part)
-    return gap if stray <= TOO_IRREGULAR * slope else None
 
 
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:

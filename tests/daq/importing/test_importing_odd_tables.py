@@ -188,12 +188,13 @@ def test_points_of_a_video_in_json_give_the_angle_about_their_pivot(tmp_path: Pa
     np.testing.assert_allclose(recording.samples[0], phi, atol=1e-4)
 
 
-def test_of_two_times_the_one_that_rises_is_the_clock(tmp_path: Path) -> None:
+def test_of_two_times_the_operator_chooses_the_clock(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     lasting = 10.0 + np.round(3.0 * np.sin(7.0 * t))
-    recording = load(tmp_path, table("X (mm),Istante (ms),Durata (ms)", 1e3 * x, 1e3 * t, lasting))
-    assert recording.rate == pytest.approx(100.0)
-    assert "'Durata (ms)' is a coarser time" in said(recording)
+    text = table("X (mm),Istante (ms),Durata (ms)", 1e3 * x, 1e3 * t, lasting)
+    assert "2 columns could be the time: column 2 'Istante (ms)', column 3" in refusal(tmp_path, text)
+    assert load(tmp_path, text, columns={"time": 2}).rate == pytest.approx(100.0)
+    assert load(tmp_path, text, accept=True).rate == pytest.approx(100.0)
 
 
 def test_momentum_is_no_force_and_makes_no_angle(tmp_path: Path) -> None:
@@ -468,14 +469,6 @@ def test_names_between_blanks_stand_above_a_table_of_tabs(tmp_path: Path) -> Non
 def test_the_size_of_a_vector_is_a_motion_where_it_stands_alone(tmp_path: Path) -> None:
     t, u, _, _ = swing(300)
     assert load(tmp_path, table("t (s),absolute angle (deg)", t, u)).channels[0].quantity == "displacement"
-
-
-def test_a_log_above_the_numbers_is_no_row_of_names(tmp_path: Path) -> None:
-    t, u, _, _ = swing(300)
-    text = "STARTING CAPTURE...\nBUTTON RELEASED, DUMPING DATA...\n" + table("", 1e6 * t, u, form="%.4f")
-    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "V"})
-    assert recording.rate == pytest.approx(RATE)
-    assert recording.channels[0].name == "displacement"
 
 
 def test_a_recipe_says_where_the_table_of_a_json_file_is(tmp_path: Path) -> None:
