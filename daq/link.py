@@ -178,16 +178,23 @@ class Link:
 
         BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it sends other things.
         """
-        sent = set()
-        for seconds in ANSWER_S:
-            sent.add(self.send(message))
-            frame = self.wait(lambda m: _answers(m, message, sent) or (also is not None and also(m)), seconds)
-            if frame is None:
-                continue
-            if isinstance(frame.message, Nack):
-                raise _refused(message, frame.message)
-            return
-        raise self._unanswered(message)
+        sent: set[int] = set()
+
+        def done(m: Message | OtherVersion) -> bool:
+            return _answers(m, message, sent) or (also is not None and also(m))
+
+        if not any(self._ask(message, sent, done, seconds) for seconds in ANSWER_S):
+            raise self._unanswered(message)
+
+    def _ask(
+        self, message: Message, sent: set[int], done: Callable[[Message | OtherVersion], bool], seconds: float
+    ) -> bool:
+        """Send a request once more and wait until it is `done`; False after so many seconds. BoardRefused on NACK."""
+        sent.add(self.send(message))
+        frame = self.wait(lambda m: done(m) or (isinstance(m, Nack) and _answers(m, message, sent)), seconds)
+        if frame is not None and isinstance(frame.message, Nack) and _answers(frame.message, message, sent):
+            raise _refused(message, frame.message)
+        return frame is not None
 
     def _unanswered(self, message: Message) -> StationError:
         silent = self.silence() > WARN_S
@@ -221,8 +228,7 @@ class Link:
         sent: set[int] = set()
         for seconds in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
             before = self.assembly.expected
-            sent.add(self.send(Stop()))
-            if self._ended(sent, seconds):
+            if self._ask(Stop(), sent, lambda m: self.assembly.end is not None, seconds):
                 return
             still = self.assembly.expected == before
             if self.silence() > GIVE_UP_S or time.monotonic() > until:
@@ -230,19 +236,6 @@ class Link:
             if still and len(sent) >= len(ANSWER_S):
                 break
         raise self._unanswered(Stop())
-
-    def _ended(self, sent: set[int], seconds: float) -> bool:
-        """Take frames until END has come; False after that many seconds."""
-        until = time.monotonic() + seconds
-        while time.monotonic() < until and self.assembly.end is None:
-            frame = self.take(0.05)
-            if (
-                frame is not None
-                and isinstance(frame.message, Nack)
-                and _answers(frame.message, Stop(), sent)
-            ):
-                raise _refused(Stop(), frame.message)
-        return self.assembly.end is not None
 
     def resend(self, first: int, count: int, until: float) -> bool | None:
         """Ask for samples again, after END; return whether the board holds them all, None when it did not say.

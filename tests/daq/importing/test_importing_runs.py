@@ -76,7 +76,7 @@ def test_twelve_runs_keep_their_numbers_and_one_is_chosen(tmp_path: Path) -> Non
     columns = [c for t, x in made for c in (1e3 * t, 1e3 * x)]
     path = write(tmp_path, wide(header, columns, "\t"))
     assert [r.run for r in read_runs(path)] == [str(i) for i in range(1, 13)]
-    eleventh = read_file(path, run=11)
+    eleventh = read_file(path, ImportOptions(run=11))
     np.testing.assert_allclose(eleventh.samples[0], made[10][1], rtol=1e-8, atol=1e-12)
     assert refusal(tmp_path, path.read_bytes(), run="13").startswith("a.csv: has no run '13'")
     assert "name one, as in --run 1" in refusal(tmp_path, path.read_bytes())
@@ -103,7 +103,9 @@ def test_two_masses_are_no_runs_unless_the_operator_says_so(tmp_path: Path) -> N
     (t, x), (_, y) = releases((200, 200))
     text = wide("t;x1;x2", [t, x, y])
     assert "2 columns could be the displacement" in refusal(tmp_path, text)
-    assert read_file(write(tmp_path, text), run=2).samples[0] == pytest.approx(y, rel=1e-8, abs=1e-12)
+    assert read_file(write(tmp_path, text), ImportOptions(run=2)).samples[0] == pytest.approx(
+        y, rel=1e-8, abs=1e-12
+    )
 
 
 def test_a_column_may_number_the_runs_row_by_row(tmp_path: Path) -> None:
@@ -192,7 +194,7 @@ def test_the_python_face_reads_one_run_or_all(tmp_path: Path) -> None:
     (t, x), (u, y) = releases((200, 120))
     path = write(tmp_path, wide("t1,x1,t2,x2", [t, x, u, y], ","))
     assert [r.samples.shape[1] for r in daq.read_recordings(path)] == [200, 120]
-    assert daq.read_recording(str(path), run=2).samples.shape == (1, 120)
+    assert daq.read_recording(str(path), daq.ImportOptions(run=2)).samples.shape == (1, 120)
 
 
 def test_stamps_coarser_than_the_sampling_give_even_times_at_the_true_rate(tmp_path: Path) -> None:
