@@ -24,9 +24,6 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
         line = lines[number]
         if not line.strip():
             continue
-        if width == 1 and not any(map(str.isalpha, line)):
-            above.clear()  # settings in numbers: what stands over them are their names
-            continue
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
         above.append(_cells_of(line, dialect, width))

@@ -15,7 +15,7 @@ from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
-from daq.importing.quantisation import rounding
+from daq.importing.quantisation import quantum
 from daq.importing.recipe import Column, Part, Recipe, Role
 from daq.importing.runs import find_runs, pieces
 from daq.importing.table import Table
@@ -223,7 +223,7 @@ def _derived(
         return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
     stamps = clock.stamps if clock.stray_rms * clock.rate > EVEN else None
-    steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
+    steps = {q: quantum(readings[q].column.values) * readings[q].unit.scale for q in quantities}
     drop: set[str] = set()
     for source, target, order in DERIVATIVES:
         if source not in quantities or target not in quantities or target in drop:

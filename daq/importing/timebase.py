@@ -4,14 +4,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from daq.importing.errors import place, problem
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
-from daq.importing.quantisation import quantum, rounding
-from daq.importing.stamps import Index, rate_within_rounding
+from daq.importing.quantisation import quantum
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
+
+Index = NDArray[np.int64]
 
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
@@ -104,10 +106,8 @@ def from_stamps(
         raise no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
     notes.extend(_holes(table, index, time, rows))
     if rebuilt:
-        steps = rounding(column.values)[rows] * unit.scale
-        exact = None if column.clock else rate_within_rounding(index.astype(np.float64), time, steps)
-        if exact is not None and exact[0] > SHORTEST_PERIOD:
-            slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
+        # the roundings of stamps may go together, as those of three digits do: no more than one whole rounding is known
+        rate_std = max(rate_std, quantum(time) / math.sqrt(12.0) / float(time[-1] - time[0]) / slope)
         notes.append(
             f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
