@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 from daq.decode import Block
 from daq.errors import ProtocolError, Rebooted, Stalled
-from daq.link import GIVE_UP_S, WARN_S, Link
-from daq.no_answer import is_noisy
+from daq.link import GIVE_UP_S, WARN_S, Link, is_noisy
 from daq.observer import CaptureObserver
 from daq.recording import Gap
 from firmware_protocol import HelloRequest, OtherVersion

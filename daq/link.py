@@ -13,12 +13,13 @@ from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardRefused,
+    NoBoard,
     ProtocolError,
+    Stalled,
     StationError,
     VersionRefused,
 )
 from daq.frame_reader import FrameReader
-from daq.no_answer import no_answer, unanswered
 from daq.plain_text import one_line
 from daq.port import Port, may_have_reset_the_board
 from daq.raw_log import Kind, RawLog
@@ -50,6 +51,7 @@ HELLO_EVERY_S = 0.25
 WARN_S = 0.5
 ALIVE_S = 0.5
 GIVE_UP_S = 2.0
+NOISE_PIECES = 10
 
 StreamEvent = Block | Gap
 
@@ -144,7 +146,7 @@ class Link:
                 hello = self._understand(frame.message) if frame is not None else None
                 if hello is not None:
                     return self._at_rest(hello)
-        raise no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
+        raise _no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
 
     def _let_a_boot_loader_pass(self) -> None:
         """Say nothing to a board that may be booting until it has sent a frame, for BOOT_S at most.
@@ -184,7 +186,7 @@ class Link:
             return _answers(m, message, sent) or (also is not None and also(m))
 
         if not any(self._ask(message, sent, done, seconds) for seconds in ANSWER_S):
-            raise self._unanswered(message)
+            raise _unanswered(self, message)
 
     def _ask(
         self, message: Message, sent: set[int], done: Callable[[Message | OtherVersion], bool], seconds: float
@@ -195,10 +197,6 @@ class Link:
         if frame is not None and isinstance(frame.message, Nack) and _answers(frame.message, message, sent):
             raise _refused(message, frame.message)
         return frame is not None
-
-    def _unanswered(self, message: Message) -> StationError:
-        silent = self.silence() > WARN_S
-        return unanswered(self.port.name, type(message).__name__.upper(), self.statistics, silent)
 
     def configure(self, rate_hz: float) -> None:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
@@ -235,7 +233,7 @@ class Link:
                 break
             if still and len(sent) >= len(ANSWER_S):
                 break
-        raise self._unanswered(Stop())
+        raise _unanswered(self, Stop())
 
     def resend(self, first: int, count: int, until: float) -> bool | None:
         """Ask for samples again, after END; return whether the board holds them all, None when it did not say.
@@ -275,3 +273,48 @@ def _versions(theirs: str) -> str:
         f"the board speaks version {theirs} of the protocol, this station"
         f" {PROTOCOL_MAJOR}.{PROTOCOL_MINOR}; bring both to the same major version"
     )
+
+
+def _no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -> StationError:
+    """Return the error for the handshake on `port` that `counts` tells of, after so many seconds.
+
+    NoBoard where nothing of a board came, ProtocolError where frames came whole.
+    """
+    sound = counts.frames + counts.malformed + counts.unknown
+    if not counts.bytes:
+        return NoBoard(
+            f"{port}: nothing answered within {seconds:g} s; is the board there and powered, and no other program using "
+            "this port?"
+        )
+    if not sound:
+        return NoBoard(
+            f"{port}: {counts.bytes} bytes came within {seconds:g} s, but no answer of a board;"
+            " check baud rate and port"
+        )
+    what = f"{sound} frames came whole within {seconds:g} s, and none was the HELLO that was asked for"
+    if said_hello:
+        what = "the board says HELLO and does not describe its channels"
+    if counts.malformed:
+        what += f"; {counts.malformed} frames are sound but not understood ({counts.why_malformed})"
+    if counts.too_long:
+        what += f"; {counts.too_long} were longer than a frame may be"
+    return ProtocolError(f"{port}: {what}. The line is good, the firmware needs a correction")
+
+
+def _unanswered(link: Link, request: Message) -> StationError:
+    """Return the error for a request without an answer."""
+    port, what, counts = link.port.name, type(request).__name__.upper(), link.statistics
+    silent = link.silence() > WARN_S
+    if silent and is_noisy(counts):
+        return Stalled(
+            f"{port}: no answer to {what} came through the noise ({counts.damaged} damaged pieces so far);"
+            " check cable, baud rate and what else speaks on this line"
+        )
+    if silent:
+        return Stalled(f"{port}: the board fell silent and did not answer {what}; reset it")
+    return ProtocolError(f"{port}: the board does not answer {what}; its firmware needs a correction")
+
+
+def is_noisy(counts: Statistics) -> bool:
+    """Check whether more damaged pieces than sound frames came."""
+    return counts.damaged > max(counts.frames, NOISE_PIECES)

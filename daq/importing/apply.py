@@ -13,13 +13,12 @@ from daq.importing.limits import require_few
 from daq.importing.no_clock import NoClock
 from daq.importing.options import MOTIONS
 from daq.importing.recipe import Column, Part, Recipe
-from daq.importing.resampling import cut, find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table, listed
-from daq.importing.timebase import Timebase, from_rate, from_stamps
+from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
-from daq.recording import Array, Channel, Recording
+from daq.recording import Array, Channel, Recording, cut
 
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
@@ -244,7 +243,7 @@ def _recording(
             table.path, f"its rate would be {clock.rate:.4g} Hz",
             "give the unit of the time with --unit time=..., or --rate in Hz",
         )  # fmt: skip
-    samples, valid = place(values, clock, resample=recipe.resample)
+    samples, valid = on_clock(values, clock, resample=recipe.resample)
     if not valid.any():
         raise problem(
             table.path, "has no sample in which all channels hold a number",

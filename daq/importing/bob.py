@@ -5,10 +5,10 @@ from shlex import quote
 
 import numpy as np
 
+from daq.importing.column_numbers import amplitude, is_measurable
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import MOTIONS, NONE, ImportOptions, ask
-from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table, named
 from daq.recording import Array
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from daq.importing.column_numbers import amplitude, oscillation
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import MOTIONS, NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
-from daq.importing.still import amplitude, oscillation
 from daq.importing.table import SourceColumn, Table, listed, named
 from daq.importing.units import COUNT, STANDARD_GRAVITY
 from daq.recording import Array

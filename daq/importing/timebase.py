@@ -1,4 +1,4 @@
-"""From time stamps to an even clock: its rate, how far the stamps stray, which samples are missing."""
+"""From time stamps to an even clock: its rate, how far the stamps stray; and the rows on it, where what is missing is."""
 
 import math
 from dataclasses import dataclass
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.importing.column_numbers import quantum
 from daq.importing.errors import place, problem
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
-from daq.importing.quantisation import quantum
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
-from daq.recording import Array
+from daq.recording import Array, Gap, Mask, runs
 
 Index = NDArray[np.int64]
 
@@ -261,3 +261,42 @@ def _line(index: Index, time: Array) -> tuple[float, float, float, float]:
     slope = float(k @ t) / spread
     stray = float(np.sqrt(np.mean((t - slope * k) ** 2)))
     return slope, float(time.mean() - slope * index.mean()), stray, stray / math.sqrt(spread) / slope**2
+
+
+def on_clock(values: Array, clock: Timebase, *, resample: bool) -> tuple[Array, Mask]:
+    """Return the samples on the even clock, shape (channels, count), and the mask of those that are there."""
+    there = np.isfinite(values).all(axis=0)
+    valid = np.zeros(clock.count, dtype=bool)
+    samples = np.full((len(values), clock.count), np.nan)
+    samples[:, clock.index] = values
+    valid[clock.index] = there
+    if not resample or clock.stamps is None or np.count_nonzero(there) < 4:
+        return samples, valid
+    return _resampled(values[:, there], clock.stamps[there], clock)
+
+
+def _resampled(values: Array, stamps: Array, clock: Timebase) -> tuple[Array, Mask]:
+    """Return a cubic spline through the stamped samples on the even clock; holes wider than 1.5 periods stay holes."""
+    from scipy.interpolate import CubicSpline
+
+    grid = np.arange(clock.count) / clock.rate
+    stamps, first = np.unique(stamps, return_index=True)
+    samples = np.asarray(CubicSpline(stamps, values[:, first], axis=1)(grid))
+    after = np.clip(np.searchsorted(stamps, grid), 1, len(stamps) - 1)
+    width = stamps[after] - stamps[after - 1]
+    near = np.minimum(np.abs(grid - stamps[after]), np.abs(grid - stamps[after - 1]))
+    period = 1.0 / clock.rate
+    inside = (grid >= stamps[0] - 0.5 * period) & (grid <= stamps[-1] + 0.5 * period)
+    valid = inside & ((width < 1.75 * period) | (near < 0.25 * period))
+    valid &= np.isfinite(samples).all(axis=0)
+    return np.where(valid, samples, np.nan), valid
+
+
+def find_gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
+    """Return the runs of invalid samples: missing from the file, or there without a number."""
+    present = np.zeros(clock.count, dtype=bool)
+    present[clock.index] = True
+    return tuple(
+        Gap(a, b - a, "no number in the file" if present[a:b].any() else "missing from the file")
+        for a, b in runs(~valid)
+    )
