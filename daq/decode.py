@@ -165,7 +165,7 @@ class Assembly:
             samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
         return samples
 
-    def recording(self, notes: Iterable[str] = ()) -> Recording:
+    def recording(self) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
         if not self.samples or self.description is None or stop <= first:
@@ -181,7 +181,7 @@ class Assembly:
             valid=valid,
             gaps=tuple(Gap(g.first - first, g.count, g.reason) for g in self._gaps(valid, first)),
             trigger=None if trigger is None else trigger - first,
-            notes=(*self.notes, *self.contradictions, *notes),
+            notes=(*self.notes, *self.contradictions),
         )
 
     def integrity(self) -> Integrity:

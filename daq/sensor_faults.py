@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from daq.cycle_gains import Step, cycle_length, gain_steps
 from daq.decode import Assembly
 from daq.reading_flags import Flag, Flagged, flag_readings
-from daq.recording import Array, Channel, Mask, Recording, runs
-from daq.rest_detection import MOTION
+from daq.recording import MOTIONS, Array, Channel, Mask, Recording, runs
 from daq.smooth_course import last_moving
 from daq.wiring_check import Suspicion
 from firmware_protocol import NO_CHANNEL, EventKind
@@ -103,7 +102,7 @@ def _looked(recording: Recording) -> tuple[dict[int, Flagged], float, int]:
     for number, (channel, samples) in enumerate(zip(recording.channels, recording.samples, strict=True)):
         there = known & np.isfinite(samples[part])
         if (
-            channel.quantity in MOTION
+            channel.quantity in MOTIONS
             and there.sum() > 0.5 * len(there)
             and 0.0 < np.ptp(samples[part][there]) < LARGEST
         ):

@@ -8,9 +8,9 @@ import numpy as np
 from daq.importing.column_numbers import amplitude, is_measurable
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import MOTIONS, NONE, ImportOptions, ask
+from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table, named
-from daq.recording import Array
+from daq.recording import MOTIONS, Array
 
 ROUND = 0.03
 """A radius that is constant to 3 % is that of a pendulum."""

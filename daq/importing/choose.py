@@ -9,11 +9,11 @@ import numpy as np
 from daq.importing.column_numbers import amplitude, oscillation
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import MOTIONS, NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table, listed, named
 from daq.importing.units import COUNT, STANDARD_GRAVITY
-from daq.recording import Array
+from daq.recording import MOTIONS, Array
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
 """The names of one point's coordinates, and of one body's angles, by each of them."""
