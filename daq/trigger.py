@@ -27,7 +27,6 @@ class Triggered:
 
     sample: int
     channel: str
-    swing: float
     half_period_s: float
 
 
@@ -81,7 +80,6 @@ class Trigger:
                 return Triggered(
                     self._onset(row, found),
                     self._channels[row].name,
-                    found.size,
                     found.half_period / self._rate,
                 )
         return None

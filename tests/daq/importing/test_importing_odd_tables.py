@@ -247,7 +247,6 @@ ROWS = np.column_stack([T, 1e3 * X]).tolist()
 JSON = {
     "keys with points": {"a.b": {"c": {"d.e": {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}}}, "a": 1},
     "a very long key": {"k" * 300: {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}},
-    "rows with names": {"columns": ["t (s)", "x (mm)"], "data": ROWS},
     "rows with a header": [["t (s)", "x (mm)"], *ROWS],
     "records": [{"t (s)": t, "x (mm)": x} for t, x in ROWS],
     "columns": {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist(), "rig": "spring"},
@@ -314,7 +313,7 @@ def test_json_channels_name_themselves_and_their_units_by_any_of_the_usual_keys(
 
 def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_path: Path) -> None:
     rows = [[t, None if i == 7 else x] for i, (t, x) in enumerate(ROWS)]
-    recording = load(tmp_path, json.dumps({"columns": ["t", "x"], "data": rows}), "a.json")
+    recording = load(tmp_path, json.dumps({"data": [["t", "x"], *rows]}), "a.json")
     assert np.flatnonzero(~recording.valid).tolist() == [7]
     assert "holds no table of numbers" in refusal(tmp_path, '{"a": [1, 2], "b": "text"}', "a.json")
     assert "cannot be read" in refusal(tmp_path, '{"a": [1, 2', "a.json")

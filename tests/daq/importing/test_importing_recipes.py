@@ -57,6 +57,8 @@ rate = 100
 fields = [{name = "x", role = "displacement", unit = "m"}]""", "m", X),
     "JSON without names": (json.dumps({"data": np.column_stack([T, X]).tolist()}), f"""recipe = 1
 fields = [{TIMED}, {{column = 2, role = "displacement", unit = "m"}}]""", "m", X),
+    "JSON with names apart": (json.dumps({"keys": ["t", "u"], "rows": np.column_stack([T, X]).tolist()}), f"""recipe = 1
+fields = [{TIMED}, {{column = 2, role = "displacement", unit = "m"}}]""", "m", X),
     "names in two rows, a log above": (table("armed\ntime,angle\ns,deg", T, np.degrees(X)), """recipe = 1
 fields = [{column = 1, role = "time", unit = "s"}, {column = 2, role = "displacement", unit = "deg"}]
 dialect = {header = false, commentRows = [1, 2, 3]}""", "rad", X),
