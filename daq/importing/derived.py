@@ -8,7 +8,7 @@ itself. The differences that loggers use are tried.
 
 import numpy as np
 
-from daq.importing.column_numbers import quantum
+from daq.importing.column_numbers import rounding
 from daq.recording import Array, Mask, runs
 
 STRAYS = 0.01  # of the samples: corrected by hand, or at the ends of a piece
@@ -32,14 +32,15 @@ def find_derivation(
     rate: float,
     order: int,
     stamps: Array | None = None,
-    steps: tuple[float, float] | None = None,
+    steps: tuple[Array, Array] | None = None,
 ) -> float | None:
     """Find out whether `channel` was computed as the derivative of that `order` of `source`; None if it was not, else the
     rms that the computation leaves, as a share of the channel's.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
-    a logger divides by its own time steps. `steps` are those to which the numbers of source and channel were rounded in
-    the file, in SI units (found from the numbers where they are not given). None also when there are too few samples.
+    a logger divides by its own time steps. `steps`, of shape (n,) each, are the steps to which the numbers of source
+    and channel were rounded in the file, in SI units (found from the numbers where they are not given). None also when
+    there are too few samples to decide.
     """
     stretch = _longest(np.isfinite(source) & np.isfinite(channel))
     if stretch.stop - stretch.start < MIN_ROWS:
@@ -47,10 +48,12 @@ def find_derivation(
     x, y = source[stretch], channel[stretch]
     if not (np.ptp(x) > 0.0 and np.ptp(y) > 0.0 and max(np.max(np.abs(x)), np.max(np.abs(y))) < 1e100):
         return None
-    steps = steps or (quantum(x), quantum(y))
+    dx, dy = (step[stretch] for step in steps) if steps is not None else (rounding(x), rounding(y))
     for local in _local_steps(stamps[stretch], rate) if stamps is not None else (1.0,):
         for kernel in FIRST:
-            found = _by_kernel(x, y * local**order, _power(kernel, order) * rate**order, steps, order, rate)
+            found = _by_kernel(
+                x, y * local**order, _power(kernel, order) * rate**order, (dx, dy), order, rate
+            )
             if found is not None:
                 return found
     return None
@@ -75,7 +78,7 @@ def _power(kernel: tuple[float, ...], order: int) -> Array:
 
 
 def _by_kernel(
-    x: Array, y: Array, kernel: Array, steps: tuple[float, float], order: int, rate: float
+    x: Array, y: Array, kernel: Array, steps: tuple[Array, Array], order: int, rate: float
 ) -> float | None:
     """Try one known difference: hardly a sample may be further off than rounding can put it, the gain must be 1, and
     either it explains the channel's noise or it shows the very droop and delay of this difference.
@@ -84,8 +87,10 @@ def _by_kernel(
     target = y[reach : len(y) - reach]
     made = np.convolve(x, kernel[::-1], "valid")
     residual = target - made
-    limit = 0.5 * (steps[0] * float(np.abs(kernel).sum()) + steps[1])
-    allowed = float(np.hypot(steps[0] * np.linalg.norm(kernel), steps[1])) / np.sqrt(12.0)
+    own = steps[1][reach : len(y) - reach]
+    limit = 0.5 * (np.convolve(steps[0], np.abs(kernel), "valid") + own)
+    allowed = float(np.sqrt(np.mean(np.convolve(steps[0] ** 2, kernel**2, "valid") + own**2) / 12.0))
+    step = _rms(own)
     inside = np.abs(residual) <= 1.01 * limit + 1e-12 * np.abs(target)
     power = float(target @ target)
     if power == 0.0 or np.mean(~inside) > STRAYS:
@@ -98,7 +103,7 @@ def _by_kernel(
     if gain_error > 5.0 * gain_std + 1e-3:
         return None
     noise = _noise(target)
-    explains = _is_noisy(target, steps[1]) and _noise(residual) < 0.6 * noise
+    explains = _is_noisy(target, step) and _noise(residual) < 0.6 * noise
     droops = gain_error < 5.0 * gain_std and _departure(target, kernel, order, rate) > 12.0 * gain_std
     return left / _rms(target) if explains or droops else None
 

@@ -11,7 +11,7 @@ from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
-from daq.importing.column_numbers import quantum
+from daq.importing.column_numbers import rounding
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.no_clock import NoClock
@@ -223,7 +223,7 @@ def _derived(
         return _derived(first, choices, fields, again, notes)
     values = values[:, clock.rows]
     stamps = clock.stamps if clock.stray_rms * clock.rate > EVEN else None
-    steps = {q: quantum(readings[q].column.values) * readings[q].unit.scale for q in quantities}
+    steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
     drop: set[str] = set()
     for source, target, order in DERIVATIVES:
         if source not in quantities or target not in quantities or target in drop:
