@@ -241,7 +241,7 @@ def _recording(
             table.path, f"its rate would be {clock.rate:.4g} Hz",
             "give the unit of the time with --unit time=..., or --rate in Hz",
         )  # fmt: skip
-    samples, valid = on_clock(values, clock, resample=recipe.resample)
+    samples, valid = on_clock(values, clock)
     if not valid.any():
         raise problem(
             table.path, "has no sample in which all channels hold a number",

@@ -18,6 +18,9 @@ Index = NDArray[np.int64]
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
+ROUGHER = 1.25  # times what local cubics leave on an even clock: more at the stamps says that these show no reading's time
+ROWS_OF_A_CUBIC = 7
+MOST_CUBICS = 20_000
 SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
@@ -29,8 +32,9 @@ class Timebase:
     """An even clock for the rows of a table.
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read). `stray_rms` is
-    in s, `origin` the file's own time of sample 0 (s).
+    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read); if
+    `resampled` the samples are those of a curve through them. `stray_rms` is in s, `origin` the file's own time of sample 0
+    (s).
     """
 
     rate: float
@@ -42,6 +46,7 @@ class Timebase:
     stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
     origin: float = 0.0
+    resampled: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -99,9 +104,12 @@ def from_stamps(
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
-    spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
-    rebuilt = coarse and uneven
-    if stray > TOO_IRREGULAR * slope and not spline and not rebuilt:
+    spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
+    rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
+    rebuilt = coarse and uneven and rougher > 1.0 / ROUGHER
+    believed = rougher < ROUGHER and stray <= TOO_IRREGULAR * slope
+    resampled = spline and not rebuilt and (resample or believed)
+    if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
         raise no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
     notes.extend(_holes(table, index, time, rows))
@@ -113,7 +121,7 @@ def from_stamps(
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
-        notes.append(_evenness(slope, stray, resample))
+        notes.append(_evenness(slope, stray, resampled))
     return Timebase(
         rate=float(f"{1.0 / slope:.13g}"),
         rate_std=rate_std if stray > COMPUTED * slope else None,
@@ -124,6 +132,7 @@ def from_stamps(
         stray_rms=stray,
         notes=tuple(notes),
         origin=first + start,
+        resampled=bool(resampled),
     )
 
 
@@ -167,13 +176,37 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
     )
 
 
-def _evenness(slope: float, stray: float, resample: bool) -> str:
+def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
         return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
-    done = "the mean rate is used and nothing was resampled (--resample does)"
-    if resample:
-        done = "the samples were put on the even clock by a cubic spline through their stamps, as asked"
+    done = "the readings are rougher at them, so the mean rate is used (--resample believes the stamps)"
+    if resampled:
+        done = "the samples were put on the even clock by a cubic spline through their stamps"
     return f"{strays(stray, slope)}; {done}"
+
+
+def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
+    """Return how much rougher readings (channels, n) are as functions of their `stamps` than on an even clock.
+
+    Both clocks (n,) count in sampling intervals. It is the ratio of the squares that cubics leave of every few rows, of all
+    channels (geometric mean); 1 where there are too few rows.
+    """
+    last = len(stamps) - ROWS_OF_A_CUBIC
+    if last < 0:
+        return 1.0
+    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CUBICS)).astype(np.int64))
+    at = first[:, None] + np.arange(ROWS_OF_A_CUBIC)
+    readings = values[:, at] - values[:, at].mean(axis=-1, keepdims=True)
+
+    def left(clock: Array) -> Array:
+        time = clock[at] - clock[at].mean(axis=-1, keepdims=True)
+        basis, _ = np.linalg.qr((time / ROWS_OF_A_CUBIC)[..., None] ** np.arange(4))
+        rest = readings - np.einsum("mij,mkj,cmk->cmi", basis, basis, readings)
+        return np.asarray(np.nansum(rest**2, axis=(1, 2)))
+
+    even, stamped = left(index.astype(float)), left(stamps)
+    told = (even > 0.0) & (stamped > 0.0)
+    return float(np.exp(np.mean(np.log(stamped[told] / even[told])))) if told.any() else 1.0
 
 
 def _rate(rate: float, std: float) -> str:
@@ -263,14 +296,14 @@ def _line(index: Index, time: Array) -> tuple[float, float, float, float]:
     return slope, float(time.mean() - slope * index.mean()), stray, stray / math.sqrt(spread) / slope**2
 
 
-def on_clock(values: Array, clock: Timebase, *, resample: bool) -> tuple[Array, Mask]:
+def on_clock(values: Array, clock: Timebase) -> tuple[Array, Mask]:
     """Return the samples on the even clock, shape (channels, count), and the mask of those that are there."""
     there = np.isfinite(values).all(axis=0)
     valid = np.zeros(clock.count, dtype=bool)
     samples = np.full((len(values), clock.count), np.nan)
     samples[:, clock.index] = values
     valid[clock.index] = there
-    if not resample or clock.stamps is None or np.count_nonzero(there) < 4:
+    if not clock.resampled or clock.stamps is None or np.count_nonzero(there) < 4:
         return samples, valid
     return _resampled(values[:, there], clock.stamps[there], clock)
 
