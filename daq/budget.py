@@ -31,24 +31,13 @@ class Budget:
 
     @property
     def sampling_s(self) -> float:
-        """The longest time that the board samples, by its own clock: every wait to its end."""
+        """The longest time that the board samples, by its own clock: every wait to its end.
+
+        A rig that releases itself moves, and rests twice.
+        """
         s = self.settings
-        return self._rest_s + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
-
-    @property
-    def _rest_s(self) -> float:
-        """The longest time until the station is armed: a rig that releases itself moves, and rests twice."""
-        rest = self.settings.rest_timeout_s
-        return rest if self.settings.release_from is None else 2 * rest + HOLD_FOR_S
-
-    @property
-    def longest_s(self) -> float:
-        """The longest time from the opened port to the sealed session, whatever the board does, s."""
-        handshake = BOOT_S + HELLO_FOR_S + END_S + sum(ANSWER_S)
-        settings_and_start = 2 * sum(ANSWER_S) + 3.0
-        sampling = self._rest_s + self.settings.trigger_timeout_s
-        window = 2 * self.settings.duration_s + 5.0
-        return handshake + settings_and_start + sampling + window + END_S + sum(ANSWER_S) + RESEND_FOR_S
+        rest = s.rest_timeout_s if s.release_from is None else 2 * s.rest_timeout_s + HOLD_FOR_S
+        return rest + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
 
     @property
     def disk(self) -> int:

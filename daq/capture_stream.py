@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 from daq.decode import Block
 from daq.errors import ProtocolError, Rebooted, Stalled
-from daq.link import GIVE_UP_S, WARN_S, Link
-from daq.no_answer import is_noisy
+from daq.link import GIVE_UP_S, WARN_S, Link, is_noisy
 from daq.observer import CaptureObserver
 from daq.recording import Gap
 from firmware_protocol import HelloRequest, OtherVersion
@@ -15,11 +14,14 @@ from firmware_protocol import HelloRequest, OtherVersion
 class CaptureStream:
     """Blocks from `link` for one caller, with a limit to the board's silence; `state` names the capture's step.
 
-    Every block and every loss goes to `observer` as it arrives.
+    Every block and every loss goes to `observer` as it arrives. `kept` says what becomes of what was received.
     """
 
-    def __init__(self, link: Link, observer: CaptureObserver) -> None:
+    def __init__(
+        self, link: Link, observer: CaptureObserver, kept: str = "what was received is kept"
+    ) -> None:
         self._link = link
+        self._kept = kept
         self._observer = observer
         self._step = "resting"
         self._hellos = 0
@@ -61,9 +63,9 @@ class CaptureStream:
             raise ProtocolError("the board changed its protocol version in mid-capture; reset it")
         if self._link.assembly.contradictions:
             what = self._link.assembly.contradictions[-1]
-            raise ProtocolError(f"{what}; what was received is kept, its firmware needs a correction")
+            raise ProtocolError(f"{what}; {self._kept}, its firmware needs a correction")
         if self._link.assembly.rebooted:
-            raise Rebooted("the board rebooted in mid-capture; what came before is kept. Check its supply")
+            raise Rebooted(f"the board rebooted in mid-capture; {self._kept}. Check its supply")
         self._watch_silence()
         blocks, self._blocks = self._blocks, []
         return blocks
@@ -83,7 +85,7 @@ class CaptureStream:
             self._link.send(HelloRequest(), prefix=b"\0")
 
     def _why_silent(self) -> str:
-        kept = "what was received is kept"
+        kept = self._kept
         if self._link.silence() > WARN_S and is_noisy(self._link.statistics):
             return f"only noise has come for {GIVE_UP_S:g} s; {kept}. Check cable and baud rate"
         if self._link.silence() > WARN_S:

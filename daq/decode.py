@@ -6,7 +6,7 @@ and from a board that rebooted. Nothing that arrives makes it raise: what contra
 `contradictions`, and what a capture does about it is the capture's affair.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,6 +77,11 @@ class Assembly:
         self._losses = Losses()
         self.jumped = 0  # samples that were missing when a later one came
         self._sequence, self._started = -1, False
+        self._takers: dict[type, Callable[[Any], tuple[Gap, ...] | None]] = {
+            Hello: self._take_hello, Describe: self._take_description, Clock: self._take_clock,
+            Holder: self._take_holder, End: self._take_end, Event: self._take_event,
+            Log: lambda said: _list(self.notes, f"the board said: {said.text}"),
+        }  # fmt: skip
 
     def take(self, frame: Frame, time: float) -> tuple[Block | Gap, ...]:
         """Take one frame; return the samples it brought and, before them, what was found missing."""
@@ -91,22 +96,8 @@ class Assembly:
             return self._take_data(frame.sequence, message, time)
         if isinstance(message, OtherVersion):
             return ()
-        message = in_one_line(message)
-        if isinstance(message, Hello):
-            return self._take_hello(message)
-        if isinstance(message, Describe):
-            self._take_description(message)
-        elif isinstance(message, Clock):
-            self._take_clock(message.error_ppm)
-        elif isinstance(message, Holder):
-            self._take_holder(message)
-        elif isinstance(message, End):
-            self._take_end(message)
-        elif isinstance(message, Event):
-            self._take_event(message)
-        elif isinstance(message, Log):
-            _list(self.notes, f"the board said: {message.text}")
-        return ()
+        take = self._takers.get(type(message))
+        return (take(in_one_line(message)) if take is not None else None) or ()
 
     def take_note(self, note: dict[str, Any]) -> None:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
@@ -174,7 +165,7 @@ class Assembly:
             samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
         return samples
 
-    def recording(self, notes: Iterable[str] = ()) -> Recording:
+    def recording(self) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
         if not self.samples or self.description is None or stop <= first:
@@ -190,7 +181,7 @@ class Assembly:
             valid=valid,
             gaps=tuple(Gap(g.first - first, g.count, g.reason) for g in self._gaps(valid, first)),
             trigger=None if trigger is None else trigger - first,
-            notes=(*self.notes, *self.contradictions, *notes),
+            notes=(*self.notes, *self.contradictions),
         )
 
     def integrity(self) -> Integrity:
@@ -205,7 +196,7 @@ class Assembly:
         for items in (self._losses, self.events, self.contradictions):
             items.clear()
 
-    def _take_hello(self, hello: Hello) -> tuple[Block | Gap, ...]:
+    def _take_hello(self, hello: Hello) -> tuple[Gap, ...]:
         known = self.hello
         if known is None or not self.samples:
             self.hello = hello
@@ -224,8 +215,9 @@ class Assembly:
         else:
             self.description = description
 
-    def _take_clock(self, ppm: float) -> None:
+    def _take_clock(self, clock: Clock) -> None:
         """Believe what a clock can be; 0 says that the board does not know."""
+        ppm = clock.error_ppm
         believed = LEAST_PPM <= ppm <= MOST_PPM
         self.clock_ppm = ppm if believed else None
         claim = f"the board states that its clock is off by at most {ppm:.3g} ppm, which is not believed"

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from daq.plain_text import distinct
 from daq.recording import Channel, Gap
 from firmware_protocol import ChannelDescription, Describe, SampleFormat
 
 MAX_RATE = 1e7
 MAX_ITEMS = 20_000
+SHARED = ("quantity", "unit", "resolution", "low", "high", "group_delay_s", "sensor")
 UNITS = {
     "displacement": ("m", "rad"),
     "velocity": ("m/s", "rad/s"),
@@ -29,58 +31,30 @@ class Window:
 
 def channels_of(description: Describe) -> tuple[Channel, ...]:
     """Return the channels of a description that was found sound; of equal names the later ones get a number."""
-    names = _told_apart([c.name for c in description.channels])
+    names = distinct((c.name for c in description.channels), " ")
     return tuple(
-        Channel(
-            name=name,
-            quantity=c.quantity,
-            unit=c.unit,
-            resolution=c.resolution,
-            low=c.low,
-            high=c.high,
-            group_delay_s=c.group_delay_s,
-            sensor=c.sensor,
-        )
-        for name, c in zip(names, description.channels, strict=True)
+        Channel(name=name, **_shared(c)) for name, c in zip(names, description.channels, strict=True)
     )
 
 
 def description_of(channels: Sequence[Channel], rate: float) -> Describe:
     """Describe channels whose samples are sent in SI units, as 64-bit numbers, at `rate` Hz."""
     described = (
-        ChannelDescription(
-            name=_fitting(c.name),
-            quantity=_fitting(c.quantity),
-            unit=_fitting(c.unit),
-            scale=1.0,
-            offset=0.0,
-            rate_hz=rate,
-            low=c.low,
-            high=c.high,
-            resolution=c.resolution,
-            group_delay_s=c.group_delay_s,
-            sensor=_fitting(c.sensor),
-        )
+        ChannelDescription(name=_fitting(c.name), scale=1.0, offset=0.0, rate_hz=rate, **_shared(c))
         for c in channels
     )
     return Describe(SampleFormat.F64, tuple(described))
 
 
+def _shared(channel: Channel | ChannelDescription) -> dict[str, Any]:
+    """Return what a channel and its description on the wire have in common, beside the name."""
+    found = {field: getattr(channel, field) for field in SHARED}
+    return {field: _fitting(value) if isinstance(value, str) else value for field, value in found.items()}
+
+
 def _fitting(text: str) -> str:
     """Cut a text to what the wire carries, between two characters."""
     return text.encode()[:255].decode(errors="ignore")
-
-
-def _told_apart(names: list[str]) -> list[str]:
-    """Return the names, each followed by its number where an earlier channel has it already: a, a 2, a 3."""
-    given: list[str] = []
-    for name in names:
-        new, number = name, 1
-        while new in given:
-            number += 1
-            new = f"{name} {number}"
-        given.append(new)
-    return given
 
 
 def foreign_unit(channels: Sequence[Channel]) -> str:
@@ -118,8 +92,8 @@ def items_of(note: dict[str, Any], key: str) -> list[Any]:
     return value[:MAX_ITEMS] if isinstance(value, list) else []
 
 
-def _whole(value: object, limit: int = 1 << 62) -> bool:
-    return type(value) is int and 0 <= value <= limit
+def _whole(value: object) -> bool:
+    return type(value) is int and 0 <= value <= 1 << 62
 
 
 def gap_of(item: object) -> Gap | None:

@@ -13,12 +13,13 @@ from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardRefused,
+    NoBoard,
     ProtocolError,
+    Stalled,
     StationError,
     VersionRefused,
 )
 from daq.frame_reader import FrameReader
-from daq.no_answer import no_answer, unanswered
 from daq.plain_text import one_line
 from daq.port import Port, may_have_reset_the_board
 from daq.raw_log import Kind, RawLog
@@ -50,6 +51,7 @@ HELLO_EVERY_S = 0.25
 WARN_S = 0.5
 ALIVE_S = 0.5
 GIVE_UP_S = 2.0
+NOISE_PIECES = 10
 
 StreamEvent = Block | Gap
 
@@ -144,7 +146,7 @@ class Link:
                 hello = self._understand(frame.message) if frame is not None else None
                 if hello is not None:
                     return self._at_rest(hello)
-        raise no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
+        raise _no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
 
     def _let_a_boot_loader_pass(self) -> None:
         """Say nothing to a board that may be booting until it has sent a frame, for BOOT_S at most.
@@ -178,20 +180,23 @@ class Link:
 
         BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it sends other things.
         """
-        sent = set()
-        for seconds in ANSWER_S:
-            sent.add(self.send(message))
-            frame = self.wait(lambda m: _answers(m, message, sent) or (also is not None and also(m)), seconds)
-            if frame is None:
-                continue
-            if isinstance(frame.message, Nack):
-                raise _refused(message, frame.message)
-            return
-        raise self._unanswered(message)
+        sent: set[int] = set()
 
-    def _unanswered(self, message: Message) -> StationError:
-        silent = self.silence() > WARN_S
-        return unanswered(self.port.name, type(message).__name__.upper(), self.statistics, silent)
+        def done(m: Message | OtherVersion) -> bool:
+            return _answers(m, message, sent) or (also is not None and also(m))
+
+        if not any(self._ask(message, sent, done, seconds) for seconds in ANSWER_S):
+            raise _unanswered(self, message)
+
+    def _ask(
+        self, message: Message, sent: set[int], done: Callable[[Message | OtherVersion], bool], seconds: float
+    ) -> bool:
+        """Send a request once more and wait until it is `done`; False after so many seconds. BoardRefused on NACK."""
+        sent.add(self.send(message))
+        frame = self.wait(lambda m: done(m) or (isinstance(m, Nack) and _answers(m, message, sent)), seconds)
+        if frame is not None and isinstance(frame.message, Nack) and _answers(frame.message, message, sent):
+            raise _refused(message, frame.message)
+        return frame is not None
 
     def configure(self, rate_hz: float) -> None:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
@@ -221,28 +226,14 @@ class Link:
         sent: set[int] = set()
         for seconds in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
             before = self.assembly.expected
-            sent.add(self.send(Stop()))
-            if self._ended(sent, seconds):
+            if self._ask(Stop(), sent, lambda m: self.assembly.end is not None, seconds):
                 return
             still = self.assembly.expected == before
             if self.silence() > GIVE_UP_S or time.monotonic() > until:
                 break
             if still and len(sent) >= len(ANSWER_S):
                 break
-        raise self._unanswered(Stop())
-
-    def _ended(self, sent: set[int], seconds: float) -> bool:
-        """Take frames until END has come; False after that many seconds."""
-        until = time.monotonic() + seconds
-        while time.monotonic() < until and self.assembly.end is None:
-            frame = self.take(0.05)
-            if (
-                frame is not None
-                and isinstance(frame.message, Nack)
-                and _answers(frame.message, Stop(), sent)
-            ):
-                raise _refused(Stop(), frame.message)
-        return self.assembly.end is not None
+        raise _unanswered(self, Stop())
 
     def resend(self, first: int, count: int, until: float) -> bool | None:
         """Ask for samples again, after END; return whether the board holds them all, None when it did not say.
@@ -282,3 +273,48 @@ def _versions(theirs: str) -> str:
         f"the board speaks version {theirs} of the protocol, this station"
         f" {PROTOCOL_MAJOR}.{PROTOCOL_MINOR}; bring both to the same major version"
     )
+
+
+def _no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -> StationError:
+    """Return the error for the handshake on `port` that `counts` tells of, after so many seconds.
+
+    NoBoard where nothing of a board came, ProtocolError where frames came whole.
+    """
+    sound = counts.frames + counts.malformed + counts.unknown
+    if not counts.bytes:
+        return NoBoard(
+            f"{port}: nothing answered within {seconds:g} s; is the board there and powered, and no other program using "
+            "this port?"
+        )
+    if not sound:
+        return NoBoard(
+            f"{port}: {counts.bytes} bytes came within {seconds:g} s, but no answer of a board;"
+            " check baud rate and port"
+        )
+    what = f"{sound} frames came whole within {seconds:g} s, and none was the HELLO that was asked for"
+    if said_hello:
+        what = "the board says HELLO and does not describe its channels"
+    if counts.malformed:
+        what += f"; {counts.malformed} frames are sound but not understood ({counts.why_malformed})"
+    if counts.too_long:
+        what += f"; {counts.too_long} were longer than a frame may be"
+    return ProtocolError(f"{port}: {what}. The line is good, the firmware needs a correction")
+
+
+def _unanswered(link: Link, request: Message) -> StationError:
+    """Return the error for a request without an answer."""
+    port, what, counts = link.port.name, type(request).__name__.upper(), link.statistics
+    silent = link.silence() > WARN_S
+    if silent and is_noisy(counts):
+        return Stalled(
+            f"{port}: no answer to {what} came through the noise ({counts.damaged} damaged pieces so far);"
+            " check cable, baud rate and what else speaks on this line"
+        )
+    if silent:
+        return Stalled(f"{port}: the board fell silent and did not answer {what}; reset it")
+    return ProtocolError(f"{port}: the board does not answer {what}; its firmware needs a correction")
+
+
+def is_noisy(counts: Statistics) -> bool:
+    """Check whether more damaged pieces than sound frames came."""
+    return counts.damaged > max(counts.frames, NOISE_PIECES)

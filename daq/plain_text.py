@@ -1,5 +1,6 @@
 """Text of strangers in one line: what a board, a file or a session's metadata say can forge no line of what is printed."""
 
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from typing import Annotated, Any, TypeVar
 
@@ -29,6 +30,19 @@ def in_one_line(message: _M) -> _M:
         if isinstance(text := getattr(message, field.name), str)
     }
     return replace(message, **texts)
+
+
+def distinct(names: Iterable[str], sign: str, taken: Iterable[str] = ()) -> tuple[str, ...]:
+    """Return the names, each followed by `sign` and its number where there is one like it already: a, a 2, a 3."""
+    given = list(taken)
+    before = len(given)
+    for name in names:
+        new, number = name, 1
+        while new in given:
+            number += 1
+            new = f"{name}{sign}{number}"
+        given.append(new)
+    return tuple(given[before:])
 
 
 def first_fault(error: ValidationError) -> str:

@@ -1,6 +1,6 @@
 """A recording: samples on the board's clock, with the lost ones marked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from daq.plain_text import one_line
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+MOTIONS = ("displacement", "velocity", "acceleration")
 
 
 def runs(mask: Mask) -> list[tuple[int, int]]:
@@ -86,3 +87,19 @@ class Recording:
                 found: Array = samples
                 return found
         return None
+
+
+def cut(recording: Recording, start: int, stop: int) -> Recording:
+    """Return samples `start` to `stop` - 1 as a recording of its own."""
+    gaps = []
+    for gap in recording.gaps:
+        first, last = max(gap.first, start), min(gap.first + gap.count, stop)
+        if last > first:
+            gaps.append(Gap(first - start, last - first, gap.reason))
+    return replace(
+        recording,
+        samples=recording.samples[:, start:stop],
+        valid=recording.valid[start:stop],
+        gaps=tuple(gaps),
+        notes=(*recording.notes, f"samples {start} to {stop - 1} of the file"),
+    )

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.recording import Array, Channel
+from daq.recording import MOTIONS, Array, Channel
 
-MOTION = ("displacement", "velocity", "acceleration")
 SHARE_OF_RANGE = 0.01
 QUIET_S = 0.25
 QUIET_SAMPLES = 8
@@ -74,7 +73,7 @@ class RestPeriod:
 
     def _still(self, samples: Array) -> bool:
         pairs = zip(self._channels, samples, strict=True)
-        return all(is_still(c, row, self._level_of(c)) for c, row in pairs if c.quantity in MOTION)
+        return all(is_still(c, row, self._level_of(c)) for c, row in pairs if c.quantity in MOTIONS)
 
     def _level_of(self, channel: Channel) -> float | None:
         return self._level if channel.quantity == primary(self._channels) else None
@@ -83,4 +82,4 @@ class RestPeriod:
 def primary(channels: tuple[Channel, ...]) -> str | None:
     """Return the quantity by which a release is seen first: displacement, velocity, then acceleration."""
     present = {channel.quantity for channel in channels}
-    return next((quantity for quantity in MOTION if quantity in present), None)
+    return next((quantity for quantity in MOTIONS if quantity in present), None)

@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from daq.cycle_gains import Step, cycle_length, gain_steps
 from daq.decode import Assembly
 from daq.reading_flags import Flag, Flagged, flag_readings
-from daq.recording import Array, Channel, Mask, Recording, runs
-from daq.rest_detection import MOTION
+from daq.recording import MOTIONS, Array, Channel, Mask, Recording, runs
 from daq.smooth_course import last_moving
 from daq.wiring_check import Suspicion
 from firmware_protocol import NO_CHANNEL, EventKind
@@ -103,7 +102,7 @@ def _looked(recording: Recording) -> tuple[dict[int, Flagged], float, int]:
     for number, (channel, samples) in enumerate(zip(recording.channels, recording.samples, strict=True)):
         there = known & np.isfinite(samples[part])
         if (
-            channel.quantity in MOTION
+            channel.quantity in MOTIONS
             and there.sum() > 0.5 * len(there)
             and 0.0 < np.ptp(samples[part][there]) < LARGEST
         ):
@@ -205,12 +204,10 @@ def _at_end(channel: Channel, samples: Array) -> Mask:
 
 def _runs(channel: Channel, flag: Flag, mask: Mask) -> Iterator[FlaggedRun]:
     """Return the runs of a mask; beyond a thousand the shortest pauses between them are flagged as well."""
-    found = np.array(runs(mask)).reshape(-1, 2)
+    if not mask.any():
+        return
+    found = np.array(runs(mask))
     pauses = found[1:, 0] - found[:-1, 1]
-    kept = np.sort(np.argsort(pauses)[::-1][: MOST_RUNS - 1]) if len(found) else np.empty(0, dtype=int)
-    firsts, stops = (
-        found[np.r_[0, kept + 1], 0] if len(found) else [],
-        found[np.r_[kept, -1], 1] if len(found) else [],
-    )
-    for first, stop in zip(firsts, stops, strict=True):
+    kept = np.sort(np.argsort(pauses)[::-1][: MOST_RUNS - 1])
+    for first, stop in zip(found[np.r_[0, kept + 1], 0], found[np.r_[kept, -1], 1], strict=True):
         yield FlaggedRun(channel=channel.name, flag=flag, first=first, count=stop - first)

@@ -182,20 +182,24 @@ class Session(SessionReader):
         with self._writing():
             known = known_manifest(self.folder)
             assembly = self.assembly()
-            made = Manifest(
-                state=state,
-                files=self._entries(known.files if known else {}),
-                counts=Counts(
-                    planned=self.info.planned_samples or 0, resent=resent, damaged_frames=damaged_frames
-                ),
-            )
-            sealed, grade = _judged(made, self.info, assembly, check_clock)
-            self.info = self.info.model_copy(
-                update={"state": state, "reason": reason[:2000], "verdict": grade.value}
-            )
+            verdict, found = _judged(self.info, assembly, check_clock)
+            changes: dict[str, Any] = {
+                "state": state,
+                "reason": reason[:2000],
+                "verdict": verdict.grade.value,
+            }
             if assembly.origin != IMPORT:
-                rate_std = checked_rate(assembly, check_clock).std
-                self.info = self.info.model_copy(update={"rate_std_hz": rate_std or None})
+                changes["rate_std_hz"] = checked_rate(assembly, check_clock).std or None
+            self.info = self.info.model_copy(update=changes)
+            counts = found.pop("counts", Counts()).model_copy(
+                update={
+                    "planned": self.info.planned_samples or 0,
+                    "resent": resent,
+                    "damaged_frames": damaged_frames,
+                }
+            )
+            files = self._entries(known.files if known else {})
+            sealed = Manifest(state=state, files=files, counts=counts, verdict=verdict, **found)
             changed = {INFO: _to_bytes(self.info)}
             commit(self.folder, changed, sealed.with_files(changed))
             self.release()
@@ -269,30 +273,21 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
     )
 
 
-def _judged(
-    made: Manifest, info: SessionInfo, assembly: Assembly, check_clock: bool
-) -> tuple[Manifest, Grade]:
-    """Complete a manifest with the verdict, counts, gaps and flags of a session's recording."""
+def _judged(info: SessionInfo, assembly: Assembly, check_clock: bool) -> tuple[Verdict, dict[str, Any]]:
+    """Return the verdict on a session's recording, and the counts, gaps and flags of it for the manifest."""
     try:
         recording = assembly.recording()
     except DataLost:
-        verdict = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
-        return made.model_copy(update={"verdict": verdict}), verdict.grade
+        return Verdict(grade=Grade.REJECT, reasons=("no sample was received",)), {}
     sensors = sensor_faults(recording, assembly)
     verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, sensors)
-    counts = {
-        "samples": len(recording.valid),
-        "lost": int(len(recording.valid) - recording.valid.sum()),
-        "frames": assembly.frames,
-        "duplicates": assembly.samples.duplicates,
-    }
-    update = {
-        "counts": made.counts.model_copy(update=counts),
-        "gaps": recording.gaps,
-        "flags": sensors.runs,
-        "verdict": verdict,
-    }
-    return made.model_copy(update=update), verdict.grade
+    counts = Counts(
+        samples=len(recording.valid),
+        lost=int(len(recording.valid) - recording.valid.sum()),
+        frames=assembly.frames,
+        duplicates=assembly.samples.duplicates,
+    )
+    return verdict, {"counts": counts, "gaps": recording.gaps, "flags": sensors.runs}
 
 
 def make_inner(folder: Path) -> None:

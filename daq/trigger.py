@@ -11,8 +11,8 @@ from functools import partial
 
 import numpy as np
 
-from daq.recording import Array, Channel
-from daq.rest_detection import MOTION, Rest, primary, smallest_motion
+from daq.recording import MOTIONS, Array, Channel
+from daq.rest_detection import Rest, primary, smallest_motion
 from daq.turning_points import FreeOscillation, TurningPoints
 
 TIMES_NOISE = 30.0
@@ -27,7 +27,6 @@ class Triggered:
 
     sample: int
     channel: str
-    swing: float
     half_period_s: float
 
 
@@ -50,8 +49,8 @@ class Trigger:
         self._level = level
         self._history = history
         self._since: int | None = None
-        self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTION]
-        self._rows.sort(key=lambda i: MOTION.index(channels[i].quantity))
+        self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTIONS]
+        self._rows.sort(key=lambda i: MOTIONS.index(channels[i].quantity))
         self.rest = rest
         self._swings = {
             row: TurningPoints(self._threshold(row), partial(self._part, row)) for row in self._rows
@@ -81,7 +80,6 @@ class Trigger:
                 return Triggered(
                     self._onset(row, found),
                     self._channels[row].name,
-                    found.size,
                     found.half_period / self._rate,
                 )
         return None
@@ -93,7 +91,7 @@ class Trigger:
         keep the trigger from coming.
         """
         main = self._rows[0]
-        steps = MOTION.index(self._channels[row].quantity) - MOTION.index(self._channels[main].quantity)
+        steps = MOTIONS.index(self._channels[row].quantity) - MOTIONS.index(self._channels[main].quantity)
         omega = np.pi * self._rate / found.half_period
         return bool(found.size / omega**steps > self._threshold(main))
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from daq.importing.recipe import Recipe, read_recipe
 
 OF = {
+    **{f"labelled/pendulum_in_{where}.csv": "pendulum_in_fluid" for where in ("air", "water")},
     "labelled/tower_alone.txt": "tower",
     "labelled/tower_pendulum_free.txt": "tower",
     "labelled/tower_pendulum_locked.txt": "tower",

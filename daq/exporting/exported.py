@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from daq.plain_text import distinct
 from daq.recording import Array, Channel, Recording
 
 
@@ -32,15 +33,10 @@ class Exported:
 
         The first channel of a quantity, which identification uses, has the quantity's name.
         """
-        found: list[str] = []
-        for channel in self.recording.channels:
-            plain = channel.quantity if channel.quantity != "other" else _identifier(channel.name)
-            name, number = plain, 1
-            while name in (*found, "time", "valid"):
-                number += 1
-                name = f"{plain}_{number}"
-            found.append(name)
-        return tuple(found)
+        plain = (
+            _identifier(c.name) if c.quantity == "other" else c.quantity for c in self.recording.channels
+        )
+        return distinct(plain, "_", taken=("time", "valid"))
 
     @property
     def all_facts(self) -> dict[str, str]:

@@ -11,15 +11,13 @@ from daq.importing.bob import angle_of
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.limits import require_few
 from daq.importing.no_clock import NoClock
-from daq.importing.options import MOTIONS
 from daq.importing.recipe import Column, Part, Recipe
-from daq.importing.resampling import cut, find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table, listed
-from daq.importing.timebase import Timebase, from_rate, from_stamps
+from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
-from daq.recording import Array, Channel, Recording
+from daq.recording import MOTIONS, Array, Channel, Recording, cut
 
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
@@ -220,8 +218,7 @@ def _angle(table: Table, x: Reading, y: Reading) -> Reading:
 def _recordings(table: Table, fields: MappingProxyType[int, Column], recipe: Recipe) -> list[Recording]:
     """Return the recordings of one run: one, or one for each part that the recipe cuts."""
     readings = readings_of(table, fields)
-    quantities = [q for q in ORDER if q in readings]
-    values = np.array([readings[q].in_si(table, q) for q in quantities])
+    values = np.array([readings[q].in_si(table, q) for q in ORDER if q in readings])
     parts = recipe.parts or (Part(),)
     made = [_recording(table, readings, values, recipe, part) for part in parts]
     if len(parts) == 1:
@@ -244,7 +241,7 @@ def _recording(
             table.path, f"its rate would be {clock.rate:.4g} Hz",
             "give the unit of the time with --unit time=..., or --rate in Hz",
         )  # fmt: skip
-    samples, valid = place(values, clock, resample=recipe.resample)
+    samples, valid = on_clock(values, clock)
     if not valid.any():
         raise problem(
             table.path, "has no sample in which all channels hold a number",

@@ -5,20 +5,18 @@ from shlex import quote
 
 import numpy as np
 
+from daq.importing.column_numbers import amplitude, is_measurable
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import MOTIONS, NONE, ImportOptions, ask
-from daq.importing.still import amplitude, is_measurable
+from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table, named
-from daq.recording import Array
+from daq.recording import MOTIONS, Array
 
 ROUND = 0.03
 """A radius that is constant to 3 % is that of a pendulum."""
 
 SMALLEST_ARC = 0.02  # rad, rms: below it a circle is not distinguishable from a line
 LARGE_ARC = 0.1  # rad, rms: 8 degrees of swing, whose sagitta is a hundredth of the length
-CLOSE = 0.003
-"""So closely, as a share of the radius, an arc is kept that is found without being asked for: a third of that sagitta."""
 FEWEST = 8
 
 
@@ -26,9 +24,8 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
     """Return the table with an angle in the place of the columns x and y of a bob.
 
     The columns are those that the operator names, or else the only two that could be a displacement, if they lie on an
-    arc about the pivot: the origin, or where they are called x and y the centre of the circle that fits, if the arc is
-    large and closely kept; on a loose arc they are a doubt. Raises ImportProblem where the columns that are named do not
-    lie on an arc.
+    arc about the pivot: the origin, or the centre of the circle that fits, if the arc is large, which is a doubt. Raises
+    ImportProblem where the columns that are named do not lie on an arc.
     """
     if options.angle_from is not None:
         x, y = (named(table, wanted, "angle") for wanted in options.angle_from)
@@ -44,12 +41,9 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
         return made
     if amplitude(angle) <= LARGE_ARC or np.nanmax(np.abs(angle)) >= np.pi:
         return table
-    radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
-    if x.label and y.label and amplitude(radius) < CLOSE * float(np.nanmean(radius)):
-        return made
     names = quote(",".join(split_unit(c.label)[0].strip() or str(c.number) for c in pair))
     doubt = (
-        f"2 columns could be the displacement: {x.place}, {y.place}; they lie roughly on an arc: if they are a "
+        f"2 columns could be the displacement: {x.place}, {y.place}; they lie on an arc: if they are a "
         f"pendulum's bob, its angle is --angle-from {names}, else choose one, as in {ask('displacement', x.number)}"
     )
     return replace(made, doubts=(*table.doubts, doubt))

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from daq.importing.column_numbers import amplitude, oscillation
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import MOTIONS, NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
-from daq.importing.still import amplitude, oscillation
 from daq.importing.table import SourceColumn, Table, listed, named
 from daq.importing.units import COUNT, STANDARD_GRAVITY
-from daq.recording import Array
+from daq.recording import MOTIONS, Array
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
 """The names of one point's coordinates, and of one body's angles, by each of them."""
@@ -135,7 +135,7 @@ def _found(
     likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
         likely = (
-            _finest(likely, notes)
+            [c for c in likely if not c.clock] or likely
             if is_time
             else _moving(_of_a_sensor(likely, meanings, notes), meanings, notes)
         )
@@ -152,17 +152,6 @@ def _found(
         f"choose one, as in {ask(quantity, _name(first))}{leave}{runs}"
     )
     return first
-
-
-def _finest(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceColumn]:
-    """Return the columns that could be a clock: no time of day beside seconds, and none with half as many different stamps
-    as another.
-    """
-    left = [c for c in columns if not c.clock] or columns
-    stamps = [len(np.unique(c.values[np.isfinite(c.values)])) for c in left]
-    kept = [c for c, n in zip(left, stamps, strict=True) if 2 * n > max(stamps)]
-    notes += [f"{c.place} is a coarser time than {kept[0].place}: left out" for c in columns if c not in kept]
-    return kept
 
 
 def has_gravity(values: Array) -> bool:

@@ -8,7 +8,7 @@ itself. The differences that loggers use are tried.
 
 import numpy as np
 
-from daq.importing.quantisation import rounding
+from daq.importing.column_numbers import rounding
 from daq.recording import Array, Mask, runs
 
 STRAYS = 0.01  # of the samples: corrected by hand, or at the ends of a piece

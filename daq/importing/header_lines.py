@@ -12,8 +12,6 @@ from daq.importing.units import parse_unit
 _WORD = re.compile(r"[^\W\d_][^\W_]{0,7}(?:[/*]\(?[^\W\d_][^\W_]{0,3}(?:\^?[-\d]{0,2}))?|°(?:/s)?")
 MOST_UNITS = 100
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
-LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
-"""So a line of a log ends, and no row of names."""
 
 
 def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[str], list[str]]:
@@ -24,10 +22,7 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
     above: list[list[str]] = []
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
-        if not line.strip() or line.rstrip().endswith(LOGGED):
-            continue
-        if width == 1 and not any(map(str.isalpha, line)):
-            above.clear()  # settings in numbers: what stands over them are their names
+        if not line.strip():
             continue
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue

@@ -24,7 +24,6 @@ BYTES_FOR = ((b"{", 250), (b"[", 100), (b",", 40), (b"", 5))
 """What Python keeps for an object, a list, a member, and each byte at most, bytes."""
 DEEPEST_TABLE, DEEPEST = 5, 20
 _UNITS = re.compile(r"(.*\S)[\s_-]+units?|units?[\s_-]+(?:of[\s_-]+)?(.*\S)", re.I)
-_NAMES = ("columns", "names", "header", "headers", "fields", "channels", "labels", "keys", "variables")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ def is_json(data: bytes) -> bool:
 def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the table in a JSON file: the largest, or that under the recipe's `property`.
 
-    Settings beside it may name the columns, their units (`displacement units`) and the rate or the step of time. Raises
+    Settings beside it may name units (`displacement units`) and the rate or the step of time. Raises
     ImportProblem when there is no table, or the text is not JSON.
     """
     require_size(path, len(data), MAX_TEXT, " of JSON")
@@ -64,15 +63,13 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     found = max(tables, key=lambda table: len(table.columns[0]) * len(table.columns))
     require_table(path, len(found.columns[0]), len(found.columns))
     settings: dict[str, Any] = {}
-    names = found.names
     for node in _way(document, found.path):
         settings |= dict(_scalars(node))
-        names = names if any(names) else _said_names(node, len(names)) or names
     units = [(m, value) for name, value in settings.items() if (m := _UNITS.fullmatch(name))]
     unit_of = {(m[1] or m[2]).strip().casefold(): str(value).strip() for m, value in reversed(units)}
     made = [
         SourceColumn(i, name, values, unit_of.get(name.casefold(), ""))
-        for i, (name, values) in enumerate(zip(names, found.columns, strict=True), start=1)
+        for i, (name, values) in enumerate(zip(found.names, found.columns, strict=True), start=1)
     ]
     note = f"JSON{f', key {found.path!r}' if found.path else ''}: {len(found.columns[0])} rows, {len(made)} columns"
     others = tuple(
@@ -206,11 +203,3 @@ def _scalars(node: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
             yield from ((f"{k}{of_units}", v) for k, v in _scalars(value, depth + 1))
         elif isinstance(value, int | float | str):
             yield str(name)[:LONGEST_NAME], value
-
-
-def _said_names(node: Any, width: int) -> tuple[str, ...] | None:
-    for name, value in node.items() if isinstance(node, dict) else ():
-        fits = str(name).lower() in _NAMES and isinstance(value, list) and len(value) == width
-        if fits and all(isinstance(v, str) for v in value):
-            return tuple(value)
-    return None

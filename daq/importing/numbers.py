@@ -12,7 +12,7 @@ from daq.recording import Array
 MISSING = frozenset(
     {
         "", "nan", "na", "n/a", "#n/a", "#nv", "#na", "null", "none", "nil", "-", "--", "---", "?", "*",
-        "+nan", "-nan", "1.#qnan", "-1.#ind", "#div/0!", "#value!", "over", "under", "ovld", "ovl", "missing",
+        "+nan", "-nan", "ovf", "1.#qnan", "-1.#ind", "#div/0!", "#value!", "over", "under", "ovld", "ovl", "missing",
         "inf", "+inf", "-inf", "infinity", "-infinity", "+infinity", "∞", "-∞",
     }
 )  # fmt: skip

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from daq.importing.errors import ImportProblem
 from daq.importing.recipe import Column, Part, Recipe
 from daq.plain_text import first_fault
+from daq.recording import MOTIONS
 
-MOTIONS = ("displacement", "velocity", "acceleration")
 QUANTITIES = ("time", *MOTIONS, "force")
 NONE = "none"
 

@@ -11,11 +11,11 @@ from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
+from daq.importing.column_numbers import rounding
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
-from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
 from daq.importing.runs import find_runs, pieces
 from daq.importing.table import Table

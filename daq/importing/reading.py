@@ -19,16 +19,13 @@ from daq.importing.uff58 import is_uff, read_uff
 from daq.recording import Recording
 
 
-def read_file(
-    path: str | Path, options: ImportOptions | None = None, run: str | int | None = None
-) -> Recording:
+def read_file(path: str | Path, options: ImportOptions | None = None) -> Recording:
     """Return the recording in a file of another board: text table, JSON, MATLAB v5 or UFF58.
 
-    `run` is the run to read where the file holds several; it stands for the field of the same name in `options`.
     What was understood and what was guessed stands in the recording's notes. Raises ImportProblem, one
     sentence with file, line and column where there are any, also when the file holds several runs and none is named.
     """
-    found = read_runs(path, options, run)
+    found = read_runs(path, options)
     if len(found) > 1:
         names = ", ".join(recording.run for recording in found)
         raise problem(
@@ -39,10 +36,7 @@ def read_file(
 
 
 def read_runs(
-    path: str | Path,
-    options: ImportOptions | None = None,
-    run: str | int | None = None,
-    recipe: Recipe | None = None,
+    path: str | Path, options: ImportOptions | None = None, recipe: Recipe | None = None
 ) -> tuple[Recording, ...]:
     """Return the recordings in a file, one for each run in it, in the order of the file; usually there is one.
 
@@ -50,8 +44,6 @@ def read_runs(
     Raises ImportProblem as `read_file`, and when no run can be read.
     """
     options = options or ImportOptions()
-    if run is not None:
-        options = replace(options, run=run)
     return look_at(path, options, recipe).read(accept=options.accept).recordings
 
 
@@ -82,9 +74,7 @@ class Look:
             settled = recipe != proposal.recipe
             if not settled and (accept or refusal.remedy):
                 raise
-            doubt = (
-                () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
-            )
+            doubt = () if refusal.done else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
             proposal = replace(proposal, recipe=recipe, doubts=(*proposal.doubts, *doubt))
             more = (refusal.done,) if refusal.done else ()
             made = apply(self.table, recipe) if settled else ()

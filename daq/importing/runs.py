@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.columns import meaning, split_unit, words
-from daq.importing.options import MOTIONS, ImportOptions
+from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
 
 Named = tuple[str, str]
@@ -25,7 +25,6 @@ _BY_WORD = re.compile(
 )
 _STRUCTURE = re.compile(r".*\((\d{1,4})\)\.(.+)")
 _BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
-_BY_LETTER = re.compile(r"(.*\S)[\s_]([A-H])")
 _COPY = re.compile(r"(.*\S)\.\d{1,3}")
 
 
@@ -33,18 +32,14 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
 
     Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by the members of a structure array, by
-    numbers or capital letters at the end of names (`t1 theta1 t2 theta2`, `Time A`, `Time B`), or by columns of time under
-    one name. Each has a time of its own, or all share one or have none (for bare numbers only where the operator asks for a
-    run: `x1` and `x2` may be two masses).
+    numbers at the end of names (`t1 theta1 t2 theta2`), or by names that repeat. Each has a time of its own, or all share
+    one or have none (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two masses).
     """
     if _names_its_time(table, options):
         return [table]
     shared = options.run is not None
     found = (
-        _by_names(table, _word, shared=True)
-        or _by_names(table, _number, shared=shared)
-        or _by_names(table, _letter, shared=shared)
-        or _by_times(table)
+        _by_names(table, _word, shared=True) or _by_names(table, _number, shared=shared) or _by_times(table)
     )
     return found or [table]
 
@@ -67,17 +62,8 @@ def _word(column: SourceColumn) -> Named | None:
 
 
 def _number(column: SourceColumn) -> Named | None:
-    return _at_the_end(column, _BY_NUMBER)
-
-
-def _letter(column: SourceColumn) -> Named | None:
-    match = _BY_LETTER.fullmatch(column.label.strip())  # before units: the A of `Time A` is no ampere
-    return (match[1], match[2]) if match else _at_the_end(column, _BY_LETTER)
-
-
-def _at_the_end(column: SourceColumn, form: re.Pattern[str]) -> Named | None:
     name, unit, _ = split_unit(column.label)
-    match = form.fullmatch(name)
+    match = _BY_NUMBER.fullmatch(name)
     if match is None:
         return None
     return (f"{match[1].strip()} ({unit})" if unit else match[1].strip()), match[2].lstrip("0") or "0"
@@ -99,10 +85,9 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
 
 
 def _by_times(table: Table) -> list[Table]:
-    """Cut a table at columns of time under one name, where what follows repeats its names, or is one motion each.
+    """Cut a table at columns of time under one name, where what follows repeats its names.
 
-    The name need not be known as that of a time: nothing else rises evenly in each of several runs. Where all times are the
-    same to the last digit before columns of other names, they are one clock beside each of several channels: one run.
+    The name need not be known as that of a time: nothing else rises evenly in each of several runs.
     """
     named = [c for c in table.columns if c.bad is not None or np.isfinite(c.values).any()]
     named = [replace(c, label=_COPY.sub(r"\1", c.label)) for c in named]
@@ -112,17 +97,9 @@ def _by_times(table: Table) -> list[Table]:
     if len(parts) < 2 or places[0] or len({len(part) for part in parts}) > 1:
         return []
     if len({tuple(names[i : i + len(parts[0])]) for i in places}) > 1:
-        one_clock = all(np.array_equal(c[0].values, named[0].values, equal_nan=True) for c in parts)
-        if len(parts[0]) != 2 or len({_motion_of(part[1]) for part in parts}) > 1 or one_clock:
-            return []
+        return []
     groups = {str(k): [replace(c[0], quantity="time"), *c[1:]] for k, c in enumerate(parts, start=1)}
     return _accepted(table, groups, [])
-
-
-def _motion_of(column: SourceColumn) -> str:
-    """Return the quantity of motion that a column's name or unit states, or "" where it says none."""
-    quantity = column.quantity or meaning(column.label, column.unit).quantity
-    return quantity if quantity in MOTIONS else ""
 
 
 def rises_evenly(column: SourceColumn) -> bool:

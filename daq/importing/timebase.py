@@ -1,21 +1,26 @@
-"""From time stamps to an even clock: its rate, how far the stamps stray, which samples are missing."""
+"""From time stamps to an even clock: its rate, how far the stamps stray; and the rows on it, where what is missing is."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from daq.importing.errors import problem
+from daq.importing.column_numbers import quantum
+from daq.importing.errors import place, problem
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
-from daq.importing.quantisation import quantum, rounding
-from daq.importing.stamps import Index, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
-from daq.recording import Array
+from daq.recording import Array, Gap, Mask, runs
+
+Index = NDArray[np.int64]
 
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
+ROUGHER = 1.25  # times what local cubics leave on an even clock: more at the stamps says that these show no reading's time
+ROWS_OF_A_CUBIC = 7
+MOST_CUBICS = 20_000
 SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
@@ -27,8 +32,9 @@ class Timebase:
     """An even clock for the rows of a table.
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read). `stray_rms` is
-    in s, `origin` the file's own time of sample 0 (s).
+    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read); if
+    `resampled` the samples are those of a curve through them. `stray_rms` is in s, `origin` the file's own time of sample 0
+    (s).
     """
 
     rate: float
@@ -40,6 +46,7 @@ class Timebase:
     stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
     origin: float = 0.0
+    resampled: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -97,30 +104,24 @@ def from_stamps(
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
-    blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
-    spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
-    rebuilt = blocks is not None or (coarse and uneven)
-    if stray > TOO_IRREGULAR * slope and not spline and not rebuilt:
+    spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
+    rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
+    rebuilt = coarse and uneven and rougher > 1.0 / ROUGHER
+    believed = rougher < ROUGHER and stray <= TOO_IRREGULAR * slope
+    resampled = spline and not rebuilt and (resample or believed)
+    if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise no_clock(table, column, (time, rows, first), _gap(time), worst, (slope, stray))
-    if blocks is not None:
-        index, (slope, start, rate_std) = np.arange(len(time)), blocks
-        notes.append(
-            f"about {len(time) / len(np.unique(time)):.3g} rows share each time stamp: they were written in blocks, and a "
-            f"stamp is the time at which a block was read; even times were rebuilt at {_rate(1.0 / slope, rate_std)}, as "
-            "the blocks came (or give --rate)"
-        )
-    elif rebuilt:
-        if not column.clock:
-            steps = rounding(column.values)[rows] * unit.scale
-            slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
-        notes.extend(_holes(table, index, time, rows))
+        raise no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
+    notes.extend(_holes(table, index, time, rows))
+    if rebuilt:
+        # the roundings of stamps may go together, as those of three digits do: no more than one whole rounding is known
+        rate_std = max(rate_std, quantum(time) / math.sqrt(12.0) / float(time[-1] - time[0]) / slope)
         notes.append(
             f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
-        notes.extend((*_holes(table, index, time, rows), *_evenness(slope, stray, resample)))
+        notes.append(_evenness(slope, stray, resampled))
     return Timebase(
         rate=float(f"{1.0 / slope:.13g}"),
         rate_std=rate_std if stray > COMPUTED * slope else None,
@@ -131,21 +132,8 @@ def from_stamps(
         stray_rms=stray,
         notes=tuple(notes),
         origin=first + start,
+        resampled=bool(resampled),
     )
-
-
-def _within_rounding(
-    index: Index, time: Array, steps: Array, line: tuple[float, float, float, float]
-) -> tuple[float, float, float]:
-    """Return period, start and standard error of the rate of stamps that were rounded to `steps`, given their `_line`."""
-    slope, start, stray, rate_std = line
-    exact = rate_within_rounding(index.astype(np.float64), time, steps)
-    if exact is not None and exact[0] > SHORTEST_PERIOD:
-        slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
-    nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
-    if nominal is not None:
-        slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
-    return slope, start, rate_std
 
 
 def _stamps(
@@ -188,13 +176,37 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
     )
 
 
-def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
+def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
-        return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
-    done = "the mean rate is used and nothing was resampled (--resample does)"
-    if resample:
-        done = "the samples were put on the even clock by a cubic spline through their stamps, as asked"
-    return (f"{strays(stray, slope)}; {done}",)
+        return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
+    done = "the readings are rougher at them, so the mean rate is used (--resample believes the stamps)"
+    if resampled:
+        done = "the samples were put on the even clock by a cubic spline through their stamps"
+    return f"{strays(stray, slope)}; {done}"
+
+
+def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
+    """Return how much rougher readings (channels, n) are as functions of their `stamps` than on an even clock.
+
+    Both clocks (n,) count in sampling intervals. It is the ratio of the squares that cubics leave of every few rows, of all
+    channels (geometric mean); 1 where there are too few rows.
+    """
+    last = len(stamps) - ROWS_OF_A_CUBIC
+    if last < 0:
+        return 1.0
+    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CUBICS)).astype(np.int64))
+    at = first[:, None] + np.arange(ROWS_OF_A_CUBIC)
+    readings = values[:, at] - values[:, at].mean(axis=-1, keepdims=True)
+
+    def left(clock: Array) -> Array:
+        time = clock[at] - clock[at].mean(axis=-1, keepdims=True)
+        basis, _ = np.linalg.qr((time / ROWS_OF_A_CUBIC)[..., None] ** np.arange(4))
+        rest = readings - np.einsum("mij,mkj,cmk->cmi", basis, basis, readings)
+        return np.asarray(np.nansum(rest**2, axis=(1, 2)))
+
+    even, stamped = left(index.astype(float)), left(stamps)
+    told = (even > 0.0) & (stamped > 0.0)
+    return float(np.exp(np.mean(np.log(stamped[told] / even[told])))) if told.any() else 1.0
 
 
 def _rate(rate: float, std: float) -> str:
@@ -253,16 +265,6 @@ def _stray(time: Array) -> float:
     return _line(np.arange(len(time)), time)[2]
 
 
-def _gap(time: Array) -> int | None:
-    """Return the row behind the widest gap, where the larger part of the stamps beside it is even; else None."""
-    gap = int(np.argmax(np.diff(time))) + 1
-    part = time[:gap] if 2 * gap >= len(time) else time[gap:]
-    if len(part) < 3 or not part[-1] - part[0] > SHORTEST_PERIOD * len(part):
-        return None
-    slope, _, stray, _ = _line(np.arange(len(part)), part)
-    return gap if stray <= TOO_IRREGULAR * slope else None
-
-
 def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:
     """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even."""
     plain: Index = np.arange(len(time), dtype=np.int64)
@@ -292,3 +294,42 @@ def _line(index: Index, time: Array) -> tuple[float, float, float, float]:
     slope = float(k @ t) / spread
     stray = float(np.sqrt(np.mean((t - slope * k) ** 2)))
     return slope, float(time.mean() - slope * index.mean()), stray, stray / math.sqrt(spread) / slope**2
+
+
+def on_clock(values: Array, clock: Timebase) -> tuple[Array, Mask]:
+    """Return the samples on the even clock, shape (channels, count), and the mask of those that are there."""
+    there = np.isfinite(values).all(axis=0)
+    valid = np.zeros(clock.count, dtype=bool)
+    samples = np.full((len(values), clock.count), np.nan)
+    samples[:, clock.index] = values
+    valid[clock.index] = there
+    if not clock.resampled or clock.stamps is None or np.count_nonzero(there) < 4:
+        return samples, valid
+    return _resampled(values[:, there], clock.stamps[there], clock)
+
+
+def _resampled(values: Array, stamps: Array, clock: Timebase) -> tuple[Array, Mask]:
+    """Return a cubic spline through the stamped samples on the even clock; holes wider than 1.5 periods stay holes."""
+    from scipy.interpolate import CubicSpline
+
+    grid = np.arange(clock.count) / clock.rate
+    stamps, first = np.unique(stamps, return_index=True)
+    samples = np.asarray(CubicSpline(stamps, values[:, first], axis=1)(grid))
+    after = np.clip(np.searchsorted(stamps, grid), 1, len(stamps) - 1)
+    width = stamps[after] - stamps[after - 1]
+    near = np.minimum(np.abs(grid - stamps[after]), np.abs(grid - stamps[after - 1]))
+    period = 1.0 / clock.rate
+    inside = (grid >= stamps[0] - 0.5 * period) & (grid <= stamps[-1] + 0.5 * period)
+    valid = inside & ((width < 1.75 * period) | (near < 0.25 * period))
+    valid &= np.isfinite(samples).all(axis=0)
+    return np.where(valid, samples, np.nan), valid
+
+
+def find_gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
+    """Return the runs of invalid samples: missing from the file, or there without a number."""
+    present = np.zeros(clock.count, dtype=bool)
+    present[clock.index] = True
+    return tuple(
+        Gap(a, b - a, "no number in the file" if present[a:b].any() else "missing from the file")
+        for a, b in runs(~valid)
+    )

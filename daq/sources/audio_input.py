@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from daq.errors import NoBoard, SettingsError
+from daq.importing.options import QUANTITIES
 from daq.importing.units import parse_scaled_unit
 from daq.recording import Array, Channel
 from daq.sources.source import Reading, SourceDescription
 
 WAIT_S = 0.05
 BLOCK_S = 0.02
-MOTIONS = ("displacement", "velocity", "acceleration", "force")
 
 
 class AudioInput:
@@ -104,9 +104,9 @@ def _channels(units: Mapping[str, str]) -> tuple[tuple[Channel, ...], list[float
     channels, scales = [], []
     for quantity, text in units.items():
         unit = parse_scaled_unit(text)
-        if quantity not in MOTIONS or unit is None or unit.quantity != quantity:
+        if quantity not in QUANTITIES[1:] or unit is None or unit.quantity != quantity:
             raise SettingsError(
-                f"--unit {quantity}={text}: say a {', '.join(MOTIONS)} and its full scale with a unit"
+                f"--unit {quantity}={text}: say a {', '.join(QUANTITIES[1:])} and its full scale with a unit"
             )
         channels.append(Channel(quantity, quantity, unit.si, low=-unit.scale, high=unit.scale))
         scales.append(unit.scale)

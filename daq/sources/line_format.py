@@ -1,19 +1,24 @@
 """Which column of a board's lines is what: told by options or a profile, or found from names and from the numbers."""
 
+import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from daq.errors import SettingsError
 from daq.importing.columns import INDEX, meaning, words
 from daq.importing.options import QUANTITIES, ask
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
+from daq.plain_text import first_fault
 from daq.recording import Array, Channel
+from daq.storage import write_whole
 
 COUNTER = "counter"
 UNUSED = "unused"
+BIGGEST_PROFILE = 1 << 20
 NONE = "none"
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 ALIKE = 0.25
@@ -252,3 +257,37 @@ def _counts(values: Array) -> bool:
     """Check whether a column counts the lines: steps of one, but where it begins anew or lines were lost."""
     steps = np.diff(values)
     return bool(len(steps) > 8 and np.isfinite(values).all() and np.mean(steps == 1.0) > 0.9)
+
+
+def profile_file(name: str, folder: Path) -> Path:
+    """Return the file of a profile. Raises SettingsError for a name that cannot be a file's."""
+    if not re.fullmatch(r"[\w.-]{1,64}", name) or name.startswith("."):
+        raise SettingsError(f"'{name}' is no name of a profile; use letters, digits, dots and dashes")
+    return folder / f"{name}.json"
+
+
+def save_profile(form: LineFormat, name: str, folder: Path) -> Path:
+    """Write a profile and return its file; one of that name is replaced."""
+    file = profile_file(name, folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(file, form.model_dump_json(indent=1).encode() + b"\n")
+    return file
+
+
+def load_profile(name: str, folder: Path) -> LineFormat:
+    """Return a profile. Raises SettingsError where there is none, or it is damaged; the message lists those there are."""
+    file = profile_file(name, folder)
+    if not file.is_file():
+        there = ", ".join(sorted(f.stem for f in folder.glob("*.json"))) or "none"
+        raise SettingsError(
+            f"there is no profile '{name}' in {folder} (there: {there}); make one with `station profile`"
+        )
+    try:
+        if file.stat().st_size > BIGGEST_PROFILE:
+            raise ValueError("too large")
+        return LineFormat.model_validate_json(file.read_bytes())
+    except (ValidationError, ValueError) as error:
+        what = first_fault(error) if isinstance(error, ValidationError) else str(error)
+        raise SettingsError(
+            f"{file}: is no profile of lines ({what}); make it again with `station profile`"
+        ) from error

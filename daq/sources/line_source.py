@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from daq.clock import fit_arrivals
+from daq.clock import fit_arrivals, fit_clock
 from daq.errors import BoardError, NoBoard, ProtocolError, Stalled
 from daq.port import Port
 from daq.recording import Array
@@ -214,13 +214,10 @@ def _rate_of(times: Array) -> tuple[float, float]:
         (step > 0.5 * typical) & (step < 1.5 * typical)
     ]  # stamps in whole ms alternate between two steps
     placed = StampedIndex(1.0 / float(np.mean(ones)), np.inf)
-    index = np.array([placed.next(stamp)[0] for stamp in times], dtype=np.float64)
-    index -= index.mean()
-    late = times - times.mean()
-    period = float(index @ late / (index @ index))
-    left = late - period * index
-    error = np.sqrt(left @ left / max(len(times) - 2, 1) / (index @ index))
-    return 1.0 / period, float(error) / period**2
+    found = fit_clock([placed.next(stamp)[0] for stamp in times], times.tolist())
+    if found is None:
+        raise ProtocolError("the time stamps are too few or rise too unevenly to tell a rate; give --rate")
+    return found.rate, found.std
 
 
 def _unwrapped(counter: Array) -> Array:

@@ -7,6 +7,8 @@ import json
 import math
 import re
 
+from daq.importing.numbers import parse_number
+
 LONGEST = 4096
 MOST_COLUMNS = 64
 
@@ -14,7 +16,6 @@ _NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _VALUE = re.compile(rf"[:=]\s*+({_NUMBER})(?![\w.])")
 _NO_NAME, _LETTER = re.compile(r"[^\w .²^/°-]"), re.compile(r"[^\W\d]")
 _BETWEEN = re.compile(r"\s*[,;\t|]\s*|\s+")
-_MISSING = frozenset(("nan", "ovf", "inf", "null", "none", "-"))
 
 
 class LineCutter:
@@ -51,7 +52,7 @@ def parse_line(text: str) -> dict[str, float] | None:
     fields = [field for field in _BETWEEN.split(text) if field]
     if not fields or len(fields) > MOST_COLUMNS:
         return None
-    numbers = [_number(field) for field in fields]
+    numbers = [parse_number(field) for field in fields]
     if any(number is None for number in numbers):
         return None
     return {str(i): n for i, n in enumerate(numbers, 1) if n is not None}
@@ -73,7 +74,7 @@ def header_of(text: str) -> tuple[str, ...]:
     fields = [field.strip().strip('"') for field in re.split(r"[,;\t|]", text)]
     if len(fields) == 1:
         fields = text.split()
-    wordy = all(re.search(r"[^\W\d_]", field) and _number(field) is None for field in fields)
+    wordy = all(re.search(r"[^\W\d_]", field) and parse_number(field) is None for field in fields)
     return tuple(fields) if fields and wordy and len(fields) <= MOST_COLUMNS else ()
 
 
@@ -101,13 +102,3 @@ def _flat(name: str, value: object) -> list[tuple[str, float]]:
     if value is None:
         return [(name, math.nan)]
     return []
-
-
-def _number(text: str) -> float | None:
-    if text.lower() in _MISSING:
-        return math.nan
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if re.fullmatch(_NUMBER, text) else None

@@ -25,10 +25,9 @@ def command(
     With NAME what the lines mean is kept, for `station capture --profile
     NAME`. What cannot be found out is said by --column, --unit and --rate.
     """
-    from daq.sources.line_format import describe_columns, find_format
+    from daq.sources.line_format import describe_columns, find_format, profile_file, save_profile
     from daq.sources.line_source import LineSource
     from daq.sources.open_source import LineOptions, open_bytes
-    from daq.sources.profiles import profile_file, save_profile
     from station.operations.line_boards import profiles_of
     from station.text.content import Told, facts
     from station.text.layout import answer

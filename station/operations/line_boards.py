@@ -7,8 +7,8 @@ from pathlib import Path
 from daq.port import Port
 from daq.ports import choose_port
 from daq.sources import SourceBoard
+from daq.sources.line_format import load_profile
 from daq.sources.open_source import LineOptions, open_lines, open_source
-from daq.sources.profiles import load_profile
 from station.exits import UsageProblem
 from station.output import progress
 from station.settings import Settings

@@ -13,9 +13,8 @@ from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe, to_toml
-from daq.importing.resampling import cut
 from daq.manifest import NAME as MANIFEST
-from daq.recording import Recording
+from daq.recording import Recording, cut
 from daq.session import Session, verify
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable

@@ -10,7 +10,7 @@ from unittest import mock
 
 import numpy as np
 
-from daq.budget import Budget
+from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S, RESEND_FOR_S
 from daq.capture import CaptureSettings, capture
 from daq.errors import StationError
 from daq.frame_reader import FrameReader
@@ -18,10 +18,20 @@ from daq.session import Session
 from firmware_protocol import Frame
 from mocks.lying_board import LyingBoard
 
+
+def longest_s(settings: CaptureSettings) -> float:
+    """Return the longest time from the opened port to the sealed session, s, whatever a board without a holder does."""
+    handshake = BOOT_S + HELLO_FOR_S + END_S + sum(ANSWER_S)
+    settings_and_start = 2 * sum(ANSWER_S) + 3.0
+    sampling = settings.rest_timeout_s + settings.trigger_timeout_s
+    window = 2 * settings.duration_s + 5.0
+    return handshake + settings_and_start + sampling + window + END_S + sum(ANSWER_S) + RESEND_FOR_S
+
+
 SETTINGS = CaptureSettings(
     duration_s=1.0, pre_trigger_s=0.5, rest_s=0.25, rest_timeout_s=4.0, trigger_timeout_s=6.0, lost_limit=1.0
 )
-LIMIT_S = Budget(SETTINGS, 256.0, 16).longest_s
+LIMIT_S = longest_s(SETTINGS)
 BYTES_PER_S = 1e6
 TICK_S = 0.01
 

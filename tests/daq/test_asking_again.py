@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 import pytest
+from lying_conversation import longest_s
 from scripted_board import ScriptedBoard, decay
 
 from daq.budget import Budget
@@ -176,8 +177,9 @@ def test_an_answer_lost_in_noise_is_put_down_to_the_line(monkeypatch: pytest.Mon
 
 def test_the_limits_on_the_page_are_those_of_the_program() -> None:
     page = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
-    waits = Budget(SETTINGS, 256.0, 16)
-    besides = waits.longest_s - SETTINGS.rest_timeout_s - SETTINGS.trigger_timeout_s - 2 * SETTINGS.duration_s
+    besides = (
+        longest_s(SETTINGS) - SETTINGS.rest_timeout_s - SETTINGS.trigger_timeout_s - 2 * SETTINGS.duration_s
+    )
     assert f"and {besides:g} s besides" in " ".join(page.split())
     assert f"| {MOST_BYTES / 1e6:.0f} MB |" in page
     assert f"| {MAX_LOG / 1e9:.1f} GB (2^31 bytes) |" in page

@@ -20,7 +20,6 @@ from daq.errors import (
 from daq.raw_log import Kind, RawLog
 from daq.recording import Channel, Gap, Recording
 from daq.session import (
-    SensorInfo,
     Session,
     SessionInfo,
     State,
@@ -29,6 +28,7 @@ from daq.session import (
     unsealed_sessions,
     verify,
 )
+from daq.session_info import SensorInfo
 
 CHANNELS = (
     Channel("Weg", "displacement", "m", 1e-6, -0.05, 0.05, 0.001, "LVDT 7", 0.01),

@@ -7,8 +7,8 @@ import pytest
 from import_files import OMEGA, load, said
 
 from daq.importing import ImportOptions, read_file
+from daq.importing.column_numbers import quantum
 from daq.importing.derived import find_derivation
-from daq.importing.quantisation import quantum
 from mocks import generate
 
 RATE = 200.0

@@ -8,10 +8,9 @@ from daq.capture import CaptureSettings, capture
 from daq.errors import BoardError, NoBoard, SettingsError
 from daq.raw_log import Kind, read
 from daq.sources import SourceBoard, line_source as line_source_module
-from daq.sources.line_format import Sample, find_format
+from daq.sources.line_format import Sample, find_format, load_profile, save_profile
 from daq.sources.line_source import LineSource
 from daq.sources.open_source import LineOptions
-from daq.sources.profiles import load_profile, save_profile
 
 SETTINGS = CaptureSettings(duration_s=4.0, rest_s=0.5, check_clock=False)
 CSV = {

@@ -1,10 +1,43 @@
-"""Quantisation: the step to which the numbers of a column were rounded when they were written."""
-
-from typing import Final
+"""What the numbers of a column show: whether they move or oscillate, and to which step they were rounded."""
 
 import numpy as np
 
 from daq.recording import Array
+
+LARGEST, MOST_DIGITS = 1e100, 5
+
+
+def is_measurable(values: Array) -> bool:
+    """Check whether there are numbers, and all of a size whose squares can be summed."""
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and bool(np.max(np.abs(finite)) < LARGEST)
+
+
+def amplitude(values: Array) -> float:
+    """Return the standard deviation of the numbers that are there, 0 when there are fewer than two."""
+    finite = values[np.isfinite(values)]
+    return float(np.std(finite)) if len(finite) > 1 and is_measurable(finite) else 0.0
+
+
+def oscillation(values: Array) -> float:
+    """Return the share of a column's power, its slope taken out, within 20 % of its strongest frequency; 0 to 1."""
+    finite = values[np.isfinite(values)]
+    if len(finite) < 16 or not is_measurable(finite) or np.ptp(finite) == 0.0:
+        return 0.0
+    place = np.linspace(-1.0, 1.0, len(finite))
+    scaled = (finite - finite.mean()) / np.ptp(finite)
+    power = (
+        np.abs(
+            np.fft.rfft((scaled - np.polyval(np.polyfit(place, scaled, 1), place)) * np.hanning(len(finite)))
+        )
+        ** 2
+    )
+    total = float(power.sum())
+    if len(power) < 8 or total == 0.0:
+        return 0.0
+    peak = int(np.argmax(power[3:])) + 3
+    reach = max(2, round(0.2 * peak))
+    return float(power[max(peak - reach, 0) : peak + reach + 1].sum()) / total
 
 
 def quantum(values: Array) -> float:
@@ -30,9 +63,6 @@ def quantum(values: Array) -> float:
                 return step
         exponent -= 1
     return floor
-
-
-MOST_DIGITS: Final = 5
 
 
 def rounding(values: Array) -> Array:
