@@ -77,11 +77,6 @@ class Assembly:
         self._losses = Losses()
         self.jumped = 0  # samples that were missing when a later one came
         self._sequence, self._started = -1, False
-        self._takers: dict[type, Callable[[Any], tuple[Gap, ...] | None]] = {
-            Hello: self._take_hello, Describe: self._take_description, Clock: self._take_clock,
-            Holder: self._take_holder, End: self._take_end, Event: self._take_event,
-            Log: lambda said: _list(self.notes, f"the board said: {said.text}"),
-        }  # fmt: skip
 
     def take(self, frame: Frame, time: float) -> tuple[Block | Gap, ...]:
         """Take one frame; return the samples it brought and, before them, what was found missing."""
@@ -96,8 +91,8 @@ class Assembly:
             return self._take_data(frame.sequence, message, time)
         if isinstance(message, OtherVersion):
             return ()
-        take = self._takers.get(type(message))
-        return (take(in_one_line(message)) if take is not None else None) or ()
+        take = _TAKERS.get(type(message))
+        return (take(self, in_one_line(message)) if take is not None else None) or ()
 
     def take_note(self, note: dict[str, Any]) -> None:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
@@ -242,6 +237,9 @@ class Assembly:
         if event.kind == EventKind.OTHER and event.text:
             _list(self.notes, f"the board reports: {event.text}")
 
+    def _take_log(self, log: Log) -> None:
+        _list(self.notes, f"the board said: {log.text}")
+
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
         if self.end is not None and not self.samples and data.first_index + data.n > self.total:
             self.end = None  # a STOP asked twice is answered twice: this END was of the capture before
@@ -276,6 +274,12 @@ class Assembly:
     def _gaps(self, valid: Mask, first: int) -> tuple[Gap, ...]:
         arrived = self.samples.mask(first, first + len(valid))
         return self._losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
+
+
+_TAKERS: dict[type, Callable[[Assembly, Any], tuple[Gap, ...] | None]] = {
+    Hello: Assembly._take_hello, Describe: Assembly._take_description, Clock: Assembly._take_clock,
+    Holder: Assembly._take_holder, End: Assembly._take_end, Event: Assembly._take_event, Log: Assembly._take_log,
+}  # fmt: skip
 
 
 def is_ours(frame: Frame) -> bool:

@@ -226,7 +226,8 @@ class Link:
         sent: set[int] = set()
         for seconds in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
             before = self.assembly.expected
-            if self._ask(Stop(), sent, lambda m: self.assembly.end is not None, seconds):
+            self._ask(Stop(), sent, lambda m: self.assembly.end is not None, seconds)
+            if self.assembly.end is not None:
                 return
             still = self.assembly.expected == before
             if self.silence() > GIVE_UP_S or time.monotonic() > until:
