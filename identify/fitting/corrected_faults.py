@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.effects.library import fault_allowed_as
+from identify.effects.sensors import CHANNEL_GAIN, DROPOUTS
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
@@ -90,11 +90,10 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     if not np.isfinite(drop):
         return None
     error = Estimate(mean, float(np.sqrt(variance)), "1")
-    fault = fault_allowed_as("gain")
     remarked = abs(mean) > max(_WORTH_A_REMARK, _CLEAR_DROP**0.5 * own)
     stated = all(prepared.window.gain_uncertainty for prepared in decays)
     words = _differ(mean, own, open_, stated=stated)
-    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked, words)
+    return CorrectedFault(Term(CHANNEL_GAIN), drop, 0, {CHANNEL_GAIN.strength.name: error}, remarked, words)
 
 
 def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
@@ -110,7 +109,7 @@ def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
-    faults, fault = [], fault_allowed_as("lost readings")
+    faults = []
     for channel in fit.windows[0].channels:
         drop, count, total = 0.0, 0, 0
         for i, (prepared, window) in enumerate(zip(decays, fit.windows, strict=True)):
@@ -124,7 +123,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             total += len(window)
         if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
-            term = Term(fault, {"channel": channel})
+            term = Term(DROPOUTS, {"channel": channel})
             misfit = max(fit.reduced, 1.0)
-            faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}, misfit=misfit))
+            faults.append(CorrectedFault(term, drop, count, {DROPOUTS.strength.name: share}, misfit=misfit))
     return faults
