@@ -87,8 +87,6 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     open_ = float(np.mean(allowed))
     variance = own**2 + open_**2
     drop = mean**2 / variance
-    if not np.isfinite(drop):
-        return None
     error = Estimate(mean, float(np.sqrt(variance)), "1")
     remarked = abs(mean) > max(_WORTH_A_REMARK, _CLEAR_DROP**0.5 * own)
     stated = all(prepared.window.gain_uncertainty for prepared in decays)
