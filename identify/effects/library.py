@@ -3,6 +3,7 @@
 from identify.effects import contact, damping, friction, joint, memory, pendulum, sensors, stiffness, time
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
+from identify.effects.sensor_fault import SensorFault
 
 BASE: tuple[ForceEffect, ...] = (
     stiffness.LINEAR_STIFFNESS,
@@ -25,6 +26,9 @@ STIFFNESS_BY_ORDER: dict[int, ForceEffect] = {
     5: stiffness.QUINTIC_STIFFNESS,
 }
 """The spring u^n of each order n that has a name."""
+
+CORRECTED: dict[str, SensorFault] = {"gain": sensors.CHANNEL_GAIN, "lost readings": sensors.DROPOUTS}
+"""The faults that are judged by what every fit corrected."""
 
 LIBRARY: tuple[Effect, ...] = (
     *BASE,

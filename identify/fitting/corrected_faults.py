@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.effects.sensors import CHANNEL_GAIN, DROPOUTS
+from identify.effects.library import CORRECTED
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
@@ -91,7 +91,8 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     remarked = abs(mean) > max(_WORTH_A_REMARK, _CLEAR_DROP**0.5 * own)
     stated = all(prepared.window.gain_uncertainty for prepared in decays)
     words = _differ(mean, own, open_, stated=stated)
-    return CorrectedFault(Term(CHANNEL_GAIN), drop, 0, {CHANNEL_GAIN.strength.name: error}, remarked, words)
+    fault = CORRECTED["gain"]
+    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked, words)
 
 
 def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
@@ -107,7 +108,7 @@ def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
-    faults = []
+    faults, fault = [], CORRECTED["lost readings"]
     for channel in fit.windows[0].channels:
         drop, count, total = 0.0, 0, 0
         for i, (prepared, window) in enumerate(zip(decays, fit.windows, strict=True)):
@@ -121,7 +122,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             total += len(window)
         if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
-            term = Term(DROPOUTS, {"channel": channel})
+            term = Term(fault, {"channel": channel})
             misfit = max(fit.reduced, 1.0)
-            faults.append(CorrectedFault(term, drop, count, {DROPOUTS.strength.name: share}, misfit=misfit))
+            faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}, misfit=misfit))
     return faults
