@@ -11,14 +11,14 @@ from identify.comparison.discrepancies import NONE, Discrepancy, find_discrepanc
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.harmonics import Harmonics, compare_harmonics
 from identify.comparison.kinematic_check import KinematicCheck, check_kinematics
-from identify.comparison.multiple_shooting import MultipleShooting, shoot
+from identify.comparison.multiple_shooting import MultipleShooting, rows_of, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
 from identify.comparison.residual_tone import ResidualTone, find_residual_tone
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import force_misfit, force_mse_percent
+from identify.fitting.model_error import force_misfit, force_mse_percent, motion_percent
 from identify.fitting.problem import Problem
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -124,14 +124,11 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     text = DiscrepancyText(window.unit, mass)
     places = find_discrepancies(plane, cycles, tone, text, (factors[0], factors[1]))
     force_error, force_floor = _force_error(*seen)
-    channel = window.channels[0]
-    used = window.used[channel]
-    left, shown = fit.residual(channel)[used], window.readings[channel][used]
     return Comparison(
         force_error=force_error,
         force_floor=force_floor,
-        motion_error=float(100.0 * np.sqrt(np.mean(left**2)) / np.std(shown)),
-        motion_channel=channel,
+        motion_error=motion_percent(fit),
+        motion_channel=window.channels[0],
         horizon_cycles=len(window) / window.rate * fit.frequency / (2.0 * np.pi),
         chi_square=baseline.reduced(fit),
         chi_square_std=baseline.spread,
@@ -190,11 +187,8 @@ def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
     misfit = []
     for segment in shooting.segments:
         part = slice(segment.start, segment.stop)
-        squares = [
-            ((fit.residual(c)[part] / window.sigma[c]) ** 2)[window.used[c][part]] for c in window.channels
-        ]
-        joined = np.concatenate(squares)
-        misfit.append(float(np.sqrt(np.mean(joined))) if len(joined) else np.nan)
+        rows = rows_of(window, part, {c: fit.residual(c)[part] for c in window.channels})
+        misfit.append(float(np.sqrt(np.mean(rows**2))) if len(rows) else np.nan)
     return frozen(misfit)
 
 

@@ -38,6 +38,8 @@ def check_kinematics(prepared: PreparedDecay, window: FitWindow, floor_error: fl
     read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
     left = window.readings[low] - read[0 if low == "displacement" else 1]
     inside = motion.valid & window.used["acceleration"] & window.used[low] & ~_near_reversals(motion.velocity)
+    if not inside.any():  # of few readings a cycle all are near a reversal, and contradict nothing
+        return KinematicCheck(0.0, 0.0)
     uneven = window.readings["acceleration"] / aligned.gain.value - motion.acceleration
     high, left = without_line(uneven, inside), without_line(left, inside)
     total = float(np.sum((high[inside] / noise) ** 2) + np.sum((left[inside] / window.sigma[low]) ** 2))

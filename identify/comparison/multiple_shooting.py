@@ -5,12 +5,10 @@ than of the present one. Started anew every cycle from the measured state, the m
 is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from identify.arrays import Array
 from identify.effects.force_effect import LinearPart
@@ -68,22 +66,6 @@ class MultipleShooting:
     gain: float
     step: Array
 
-    def places(self) -> Iterator[tuple[str, slice, NDArray[np.intp]]]:
-        """Yield a channel, its rows and the samples that they are of, segment after segment."""
-        for segment in self.segments:
-            at = segment.rows.start
-            for channel in self.window.channels:
-                used = np.flatnonzero(self.window.used[channel][segment.start : segment.stop]) + segment.start
-                yield channel, slice(at, at + len(used)), used
-                at += len(used)
-
-    def whitened(self, change: dict[str, Array]) -> Array:
-        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
-        out = np.empty((len(self.misfit), next(iter(change.values())).shape[1]))
-        for channel, rows, samples in self.places():
-            out[rows] = change[channel][samples] / self.window.sigma[channel]
-        return out
-
     def without_states(self, rows: Array) -> Array:
         """Return whitened rows (rows, columns) less what the state at the start of each segment explains."""
         out = np.array(rows)
@@ -92,6 +74,11 @@ class MultipleShooting:
             part = out[segment.rows]
             out[segment.rows] = part - basis @ (basis.T @ part)
         return out
+
+
+def rows_of(window: FitWindow, samples: slice, change: dict[str, Array]) -> Array:
+    """Return changes of some samples' readings, (samples, ...) a channel, as whitened rows, channel after channel."""
+    return np.concatenate([change[c][window.used[c][samples]] / window.sigma[c] for c in window.channels])
 
 
 def shoot(prepared: PreparedDecay, fit: Fit) -> MultipleShooting:
@@ -162,15 +149,11 @@ def _whitened(
 ) -> tuple[Array, Array]:
     """Return the misfit of a segment's run, (rows,), and what more displacement and velocity do to it, (rows, 2)."""
     begin, start, stop = piece
-    part = slice(start - begin, stop - begin)
-    used = {c: window.used[c][start:stop] for c in window.channels}
-
-    def rows(difference: dict[str, Array], step: float = 1.0) -> Array:
-        return np.concatenate([(difference[c] / window.sigma[c] / step)[used[c]] for c in window.channels])
-
-    misfit = rows({c: window.readings[c][start:stop] - seen[0][c][part] for c in window.channels})
-    moved = [{c: s[c][part] - seen[0][c][part] for c in window.channels} for s in seen[1:]]
-    return misfit, np.column_stack([rows(difference, _STEP) for difference in moved])
+    samples, run = slice(start, stop), slice(start - begin, stop - begin)
+    here = {c: values[run] for c, values in seen[0].items()}
+    misfit = {c: window.readings[c][samples] - here[c] for c in window.channels}
+    moved = {c: np.column_stack([(s[c][run] - here[c]) / _STEP for s in seen[1:]]) for c in window.channels}
+    return rows_of(window, samples, misfit), rows_of(window, samples, moved)
 
 
 def _carried(runs: list[Response], at: int, sizes: tuple[float, float]) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.comparison.multiple_shooting import MultipleShooting, Segment
+from identify.comparison.multiple_shooting import MultipleShooting, Segment, rows_of
 from identify.compilation import compiled
 
 
@@ -84,8 +84,7 @@ def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patt
         "velocity": v - lag * a,
         "acceleration": a * (shooting.gain if window.paired else 1.0),
     }
-    part = slice(segment.start, segment.stop)
-    return np.vstack([change[c][window.used[c][part]] / window.sigma[c] for c in window.channels])
+    return rows_of(window, slice(segment.start, segment.stop), change)
 
 
 def nuisances(shooting: MultipleShooting) -> Array:
@@ -101,7 +100,8 @@ def nuisances(shooting: MultipleShooting) -> Array:
         change["velocity"][:, 0] = -shooting.acceleration * 1e-2 / shooting.frequency
     change["acceleration"][:, 1] = shooting.acceleration * 1e-2
     change["acceleration"][:, 2] = 1e-2 * shooting.stiffness * shooting.sizes[0]
-    return shooting.whitened(change)
+    parts = (slice(segment.start, segment.stop) for segment in shooting.segments)
+    return np.concatenate([rows_of(window, p, {c: x[p] for c, x in change.items()}) for p in parts])
 
 
 @compiled(nogil=True, error_model="numpy")

@@ -95,7 +95,12 @@ def _is_no_motion(window: FitWindow, channel: str, powers: dict[str, Array], at:
 def _by_channel(shooting: MultipleShooting) -> dict[str, Array]:
     """What the tracked model leaves with the states free, per channel on the window's clock, in units of the noise."""
     left = shooting.without_states(shooting.misfit[:, None])[:, 0]
-    series = {c: np.zeros(len(shooting.window)) for c in shooting.window.channels}
-    for channel, rows, samples in shooting.places():
-        series[channel][samples] = left[rows]
+    window = shooting.window
+    series = {c: np.zeros(len(window)) for c in window.channels}
+    for segment in shooting.segments:
+        at = segment.rows.start
+        for channel in window.channels:
+            samples = np.flatnonzero(window.used[channel][segment.start : segment.stop]) + segment.start
+            series[channel][samples] = left[at : at + len(samples)]
+            at += len(samples)
     return series

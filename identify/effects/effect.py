@@ -7,8 +7,6 @@ from itertools import pairwise
 from math import isfinite, pi, sqrt
 from typing import ClassVar, Literal
 
-from identify.effects.compiled import PARAMETERS
-
 Kind = Literal["physics", "sensor"]
 
 Starts = tuple[tuple[float, ...], ...]
@@ -98,10 +96,6 @@ class Effect(ABC):
     rarity: int = 0
     of_time: bool = False
     shows_detection_limit: bool = False
-
-    def __post_init__(self) -> None:
-        if not 1 <= len(self.parameters) <= PARAMETERS:
-            raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
 
     @property
     def inner(self) -> tuple[str, ...]:

@@ -23,14 +23,6 @@ class Family:
     members: Mapping[str, float]
     held: Callable[[Scales], dict[str, float]] = field(default=lambda scales: {})
 
-    def __post_init__(self) -> None:
-        at = self.effect.parameters[self.effect.index(self.exponent)]
-        outside = [name for name, value in self.members.items() if not at.low <= value <= at.high]
-        if outside or not self.members:
-            raise ValueError(
-                f"family {self.effect.name}: no exponent for {', '.join(outside) or 'any member'}"
-            )
-
     def nearest(self, exponent: float) -> str:
         """Return the member whose exponent is nearest to a given one."""
         return min(self.members, key=lambda name: abs(self.members[name] - exponent))

@@ -76,7 +76,6 @@ class ForceEffect(Effect):
     may_be_all_of: LinearPart | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         for name, compile_ in (
             ("force", force_function),
             ("friction", force_function),
@@ -84,11 +83,6 @@ class ForceEffect(Effect):
         ):
             if isinstance(getattr(self, name), FunctionType):
                 object.__setattr__(self, name, compile_(getattr(self, name)))
-        count = len(self.parameters) + len(self.shared_parameters)
-        if count > PARAMETERS:
-            raise ValueError(
-                f"effect {self.name}: {count} parameters with the shared ones, at most {PARAMETERS}"
-            )
 
     @property
     def relative(self) -> bool:

@@ -3,7 +3,7 @@
 from identify.effects import contact, damping, friction, joint, memory, pendulum, sensors, stiffness, time
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
-from identify.effects.sensor_fault import Allowance, SensorFault
+from identify.effects.sensor_fault import SensorFault
 
 BASE: tuple[ForceEffect, ...] = (
     stiffness.LINEAR_STIFFNESS,
@@ -26,6 +26,9 @@ STIFFNESS_BY_ORDER: dict[int, ForceEffect] = {
     5: stiffness.QUINTIC_STIFFNESS,
 }
 """The spring u^n of each order n that has a name."""
+
+CORRECTED: dict[str, SensorFault] = {"gain": sensors.CHANNEL_GAIN, "lost readings": sensors.DROPOUTS}
+"""The faults that are judged by what every fit corrected."""
 
 LIBRARY: tuple[Effect, ...] = (
     *BASE,
@@ -70,11 +73,3 @@ def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
         if effect.name.lower() == wanted:
             return effect
     raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")
-
-
-def fault_allowed_as(allowance: Allowance) -> SensorFault:
-    """Return the fault that every fit allows for in a certain way; KeyError when there is none."""
-    for effect in LIBRARY:
-        if isinstance(effect, SensorFault) and effect.allowed_as == allowance:
-            return effect
-    raise KeyError(f"no fault is allowed for as {allowance}")

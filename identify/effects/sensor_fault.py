@@ -2,13 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
 
 from identify.arrays import Array
 from identify.effects.effect import Effect, Parameter, Scales, Starts
-
-Allowance = Literal["", "lag", "gain", "lost readings"]
-"""What every fit allows for, whatever its model."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -19,8 +15,8 @@ class SensorFault(Effect):
     since the release) and returns what the faulty sensor would show. `starts(scales, channel)` lists starting values of
     all parameters, of which the `inner` ones act out of proportion. A fault that `shows_at_rest` is looked for
     there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s). A fault that
-    `needs_other_channel` looks like a force where there is one channel only, and is no suspect there. A fault that every
-    fit allows for is no suspect either: `allowed_as` says as what, and it is judged by what the fit allowed for.
+    `needs_other_channel` looks like a force where there is one channel only, and is no suspect there. One that is
+    `corrected_in_every_fit` has no parameters there and is no suspect either: it is judged by what the fit allowed for.
     """
 
     kind = "sensor"
@@ -33,12 +29,7 @@ class SensorFault(Effect):
     shows_at_rest: bool = False
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
     needs_other_channel: bool = False
-    allowed_as: Allowance = ""
-
-    @property
-    def corrected_in_every_fit(self) -> bool:
-        """Whether every fit allows for this fault, so that it has no parameters of its own there."""
-        return bool(self.allowed_as)
+    corrected_in_every_fit: bool = False
 
     @property
     def started(self) -> tuple[Parameter, ...]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.effects.library import fault_allowed_as
+from identify.effects.library import CORRECTED
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
@@ -87,13 +87,11 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     open_ = float(np.mean(allowed))
     variance = own**2 + open_**2
     drop = mean**2 / variance
-    if not np.isfinite(drop):
-        return None
     error = Estimate(mean, float(np.sqrt(variance)), "1")
-    fault = fault_allowed_as("gain")
     remarked = abs(mean) > max(_WORTH_A_REMARK, _CLEAR_DROP**0.5 * own)
     stated = all(prepared.window.gain_uncertainty for prepared in decays)
     words = _differ(mean, own, open_, stated=stated)
+    fault = CORRECTED["gain"]
     return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked, words)
 
 
@@ -110,7 +108,7 @@ def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
-    faults, fault = [], fault_allowed_as("lost readings")
+    faults, fault = [], CORRECTED["lost readings"]
     for channel in fit.windows[0].channels:
         drop, count, total = 0.0, 0, 0
         for i, (prepared, window) in enumerate(zip(decays, fit.windows, strict=True)):

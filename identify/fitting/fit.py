@@ -12,7 +12,7 @@ from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
-from identify.fitting.levenberg_marquardt import Minimum, minimise, minimise_fully
+from identify.fitting.levenberg_marquardt import Minimum, minimise, minimise_fully, sum_of_squares
 from identify.fitting.own_linear import centred, weighed
 from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
@@ -199,10 +199,10 @@ def _fit(
     again = partial(Problem, problem.model, problem.windows, problem.frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
-    if _off(first):
+    if sum_of_squares(first) > FAR_OFF * len(first):
         far = again(far=True)
         rough = lower(far, theta if near else _grow(problem, theta, still))
-        if not near and not rough.cost < _cost(far.residuals(theta)):  # lost to the first few cycles
+        if not near and not rough.cost < sum_of_squares(far.residuals(theta)):  # lost to the first few cycles
             rough = lower(far, theta)
         theta, still_far = rough.theta, not rough.cost < FAR_OFF * len(first)
         problem = again(coarse=still_far)
@@ -211,14 +211,6 @@ def _fit(
     found = lower(problem, theta)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta, skip=still)[1]
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
-
-
-def _off(misfit: Array) -> bool:
-    return not _cost(misfit) <= FAR_OFF * len(misfit)
-
-
-def _cost(misfit: Array) -> float:
-    return float(misfit @ misfit) if np.isfinite(misfit).all() else np.inf
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:

@@ -129,6 +129,6 @@ def _ratio(powers: Array) -> tuple[float, float]:
     at, scaled, expected_at, expected_off, shift = powers.tolist()
     ratio = at / scaled
     unsure = 1.0 / (_INDEPENDENT * expected_at) + (shift / expected_at) ** 2
-    from scipy.stats import f as fisher  # costs every program half a second to load
+    from scipy.special import fdtrc  # loaded when it is needed
 
-    return ratio, float(fisher.sf(ratio, 2.0 / unsure, 2.0 * _INDEPENDENT * expected_off))
+    return ratio, float(fdtrc(2.0 / unsure, 2.0 * _INDEPENDENT * expected_off, ratio))

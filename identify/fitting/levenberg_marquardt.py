@@ -71,7 +71,7 @@ def minimise(
     theta = np.clip(theta, problem.low, problem.high)
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
-    cost = _sum_of_squares(residual)
+    cost = sum_of_squares(residual)
     exact, settled, slow = begun is None, False, 0
     for _ in range(steps):
         if not np.isfinite(cost):
@@ -125,7 +125,7 @@ def _step(
     tolerance: float,
 ) -> _Step | None:
     """Find the step that lowers chi-square; None when no step is predicted to gain more than `tolerance`."""
-    cost = _sum_of_squares(residual)
+    cost = sum_of_squares(residual)
     least = _least(tolerance, cost, problem, len(residual))
     gradient, normal = jacobian.gradient(residual), jacobian.normal()
     still = never | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
@@ -141,7 +141,7 @@ def _step(
         candidate = np.clip(theta + step, problem.low, problem.high)
         predicted = -(2.0 * gradient @ step + step @ normal @ step)
         trial = problem.residuals(candidate)
-        trial_cost = _sum_of_squares(trial)
+        trial_cost = sum_of_squares(trial)
         if np.isfinite(trial_cost) and trial_cost < cost:
             gained = cost - trial_cost
             return _Step(candidate, trial, trial_cost, gained, float(predicted), damping)
@@ -160,7 +160,7 @@ def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> fl
     return tolerance * float(1.0 + max(cost / readings - _NEAR_FLOOR, 0.0) * half_cycle)
 
 
-def _sum_of_squares(residual: Array) -> float:
+def sum_of_squares(residual: Array) -> float:
     """Return the sum of squares; inf where the motion diverged."""
     size = float(np.max(np.abs(residual), initial=0.0))
     return float(residual @ residual) if size < 1e100 else np.inf

@@ -32,6 +32,7 @@ from identify.preprocessing.noise_colour import (
 )
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.coloured_noise import Colour, Component, spectrum
+from identify.signal.smoothing import without_line
 from identify.signal.spectrum import strongest_lines
 
 _LINES = 4
@@ -294,12 +295,8 @@ def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | N
     n = len(residual)
     if not np.isfinite(residual).all() or n < 4 * _FEWEST:
         return None
-    time = np.linspace(-1.0, 1.0, n)
-    residual = residual - np.polynomial.polynomial.polyval(
-        time, np.polynomial.polynomial.polyfit(time, residual, 1)
-    )
     taper = np.hanning(n)
-    power = np.abs(np.fft.rfft(residual * taper)) ** 2 / np.sum(taper**2)
+    power = np.abs(np.fft.rfft(without_line(residual) * taper)) ** 2 / np.sum(taper**2)
     frequency = np.asarray(np.fft.rfftfreq(n, 1.0 / window.rate), dtype=np.float64)
     f0, width = fit.frequency / (2.0 * np.pi), window.rate / n
     order = frequency / f0

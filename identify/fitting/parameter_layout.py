@@ -33,11 +33,11 @@ class Unknown:
 
     id: ParameterId
     unit: str
-    low: float
-    high: float
-    size: float
-    window: int
-    simulated: bool
+    low: float = -np.inf
+    high: float = np.inf
+    size: float = 0.0
+    window: int = NOWHERE
+    simulated: bool = True
     moves: tuple[int, ...] = ()
     deviates: int = NOWHERE
 
@@ -110,25 +110,13 @@ class ParameterLayout:
         self.linear = self._physics()
         self.force_gain = NOWHERE
         if any(window.estimates_mass for window in windows):
-            self.force_gain = self._add(nuisance("force_gain"), "1", size=1e-2, low=0.2, high=5.0)
+            self.force_gain = self._add(Unknown(nuisance("force_gain"), "1", 0.2, 5.0, 1e-2))
         self.releases = tuple(self._release(i, window) for i, window in enumerate(windows))
         self.held, self.cells = self._table()
         self.deviations = self._deviations(windows)
 
-    def _add(
-        self,
-        id: ParameterId,
-        unit: str,
-        *,
-        size: float = 0.0,
-        low: float = -np.inf,
-        high: float = np.inf,
-        window: int = NOWHERE,
-        simulated: bool = True,
-        moves: tuple[int, ...] = (),
-        deviates: int = NOWHERE,
-    ) -> int:
-        self.unknowns.append(Unknown(id, unit, low, high, size, window, simulated, moves, deviates))
+    def _add(self, unknown: Unknown) -> int:
+        self.unknowns.append(unknown)
         return len(self.unknowns) - 1
 
     def _physics(self) -> tuple[int, ...]:
@@ -138,13 +126,10 @@ class ParameterLayout:
         for term in self._model.forces:
             part = term.force.linear_part
             for parameter in term.free:
-                at = self._add(
-                    term.parameter(parameter.name),
-                    in_unit(parameter.unit, self._unit),
-                    size=_size_of(parameter) if part is None else sizes[part],
-                    low=parameter.low,
-                    high=parameter.high,
-                )
+                unit = in_unit(parameter.unit, self._unit)
+                size = _size_of(parameter) if part is None else sizes[part]
+                id = term.parameter(parameter.name)
+                at = self._add(Unknown(id, unit, parameter.low, parameter.high, size))
                 if part is not None:
                     linear[part] = at
         return tuple(linear)
@@ -169,7 +154,7 @@ class ParameterLayout:
         def own(name: str, unit: str, size: float, low: float = -np.inf, high: float = np.inf) -> int:
             simulated = name in ("displacement", "velocity")
             id = nuisance(name, i, self._count)
-            return self._add(id, unit, size=size, low=low, high=high, window=i, simulated=simulated)
+            return self._add(Unknown(id, unit, low, high, size, i, simulated))
 
         w = self._frequency
         start = (
@@ -206,7 +191,9 @@ class ParameterLayout:
                     continue
                 unit = self.unknowns[self.linear[part]].unit
                 id = nuisance(name, number, len(groups))
-                at = self._add(id, unit, size=std, window=places[0], moves=places, deviates=self.linear[part])
+                at = self._add(
+                    Unknown(id, unit, size=std, window=places[0], moves=places, deviates=self.linear[part])
+                )
                 found.append(Deviation(at, self.linear[part], places, std / float(np.sqrt(own.weight))))
         return tuple(found)
 
@@ -220,7 +207,7 @@ class ParameterLayout:
             sizes = effect.state_sizes(self._amplitude, self._frequency)
             for j, size in enumerate(sizes[: effect.states]):
                 id, most = term.state(j).of_release(i, self._count), effect.largest_state
-                cells.append(Cell(row, j, self._add(id, "", size=size, low=-most, high=most, window=i)))
+                cells.append(Cell(row, j, self._add(Unknown(id, "", -most, most, size, i))))
         return tuple(cells)
 
     def _faults(self, i: int, window: FitWindow) -> tuple[tuple[Term, list[int]], ...]:
@@ -232,13 +219,15 @@ class ParameterLayout:
             reading = in_unit(_READING[term.channel], self._unit)
             places = [
                 self._add(
-                    term.parameter(parameter.name).of_release(i, self._count),
-                    re.sub(r"\((\w+)\)", r"\1", parameter.unit.replace("reading", reading)),
-                    size=_size_of(parameter),
-                    low=parameter.low,
-                    high=parameter.high,
-                    window=i,
-                    simulated=False,
+                    Unknown(
+                        term.parameter(parameter.name).of_release(i, self._count),
+                        re.sub(r"\((\w+)\)", r"\1", parameter.unit.replace("reading", reading)),
+                        parameter.low,
+                        parameter.high,
+                        _size_of(parameter),
+                        i,
+                        simulated=False,
+                    )
                 )
                 for parameter in term.effect.parameters
             ]

@@ -17,8 +17,6 @@ from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_DRAWN_IN = (1.0, 0.98, 0.95, 0.9, 0.8)
-
 
 @dataclass(frozen=True)
 class Prediction:
@@ -83,9 +81,9 @@ def predict_windows(
     angular `frequency` (rad/s). Spring and damper may differ where the windows say so.
     """
     bare = without_own_linear(windows)
-    begun, still = _bounded(Problem(model, bare, frequency), dict(start) | dict(held), held)
-    found = fit(model, bare, begun, frequency, held=still)
     own = Problem(model, windows, frequency)
+    still = frozenset(u.name for u in own.unknowns if u.window < 0 and u.name in held)
+    found = fit(model, bare, dict(start) | dict(held), frequency, held=still)
     if own.expected:
         again = weighed(own, own.theta(found.point))
         found = fit(model, again, found.point, frequency, near=True, held=still)
@@ -117,19 +115,3 @@ def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, f
             if value is not None:
                 start |= {str(id.of_release(i, count)): value for i in range(count)}
     return start
-
-
-def _bounded(
-    problem: Problem, start: dict[str, float], held: Mapping[str, float]
-) -> tuple[dict[str, float], frozenset[str]]:
-    """Return starting values by name, and the names that are held: the physics that has values.
-
-    The states at the start are drawn in where the motion diverges from where it was measured to begin.
-    """
-    still = frozenset(u.name for u in problem.unknowns if u.window < 0 and u.name in held)
-    starts = {problem.unknowns[at].name for places in problem.layout.releases for at in places.start}
-    for share in _DRAWN_IN:
-        tried = {name: share * value if name in starts else value for name, value in start.items()}
-        if np.isfinite(problem.residuals(problem.theta(tried))).all():
-            return tried, still
-    return start, still

@@ -146,9 +146,6 @@ def mean_force(
     means = np.zeros(len(amplitudes))
     if effect.force is None or effect.rates is not None:
         return means
-    p = effect.table(parameters, parameters)
     for i, amplitude in enumerate(amplitudes):
-        u, v = _harmonic(frequency, float(amplitude))
-        along = (np.zeros(len(u) - 1), u[:-1].copy(), v[:-1].copy(), np.zeros((len(u) - 1, STATES)))
-        means[i] = np.mean(effect.smooth_force_along(p, *along))
+        means[i] = np.mean(force_over_cycle(effect, parameters, frequency, float(amplitude)))
     return means

@@ -7,7 +7,6 @@ position, velocity and acceleration at both ends of the step, so that a late cha
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,20 +28,15 @@ _INLINE: dict[str, Any] = {**_COMPILE, "forceinline": True}
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A model made ready to run: the addresses of force, friction and rates of each effect, shape (effects, 3)."""
+    """A model made ready to run: the addresses of force, friction and rates of each effect, shape (effects, 3).
+
+    Whether some effect is `nonsmooth`, `has_friction`, or `has_memory`, that is internal states.
+    """
 
     addresses: NDArray[np.int64]
     nonsmooth: bool
-
-    @cached_property
-    def has_friction(self) -> bool:
-        """Whether some effect has dry friction."""
-        return bool(self.addresses[:, 1].any())
-
-    @cached_property
-    def has_memory(self) -> bool:
-        """Whether some effect has internal states."""
-        return bool(self.addresses[:, 2].any())
+    has_friction: bool
+    has_memory: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,4 +346,5 @@ def make_system(effects: tuple[ForceEffect, ...]) -> System:
     addresses = np.zeros((len(effects), 3), dtype=np.int64)
     for row, effect in zip(addresses, effects, strict=True):
         row[:] = address_of(effect.force), address_of(effect.friction), address_of(effect.rates, RATES)
-    return System(addresses, any(effect.nonsmooth for effect in effects))
+    nonsmooth = any(effect.nonsmooth for effect in effects)
+    return System(addresses, nonsmooth, bool(addresses[:, 1].any()), bool(addresses[:, 2].any()))

@@ -275,7 +275,7 @@ def _rest(
     onset: float,
     earliest: int,
 ) -> tuple[int, int]:
-    """The quiet samples before the onset; an earlier stretch when there are too few next to it, as of a trembling hand."""
+    """The last quiet stretch before the onset."""
     stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
     if stop - earliest < 4:
         return (0, 0)
@@ -288,8 +288,6 @@ def _rest(
     if not runs:
         return (0, 0)
     first, last = runs[-1]
-    if last < len(quiet) - 2 or last - first < 24:
-        first, last = max(runs, key=lambda run: run[1] - run[0])
     return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
 
 

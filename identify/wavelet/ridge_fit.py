@@ -153,6 +153,14 @@ def channel_of(decay: Response, derivatives: int) -> Array:
     return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
 
 
+def seen_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
+    """Return envelope and phase (m,) that the transform shows of the exact decay of a fit; it may raise RunsAway."""
+    decay = channel_of(exact_decay(observed, fit), observed.derivatives)
+    envelope, phase, _ = envelope_and_phase(observed, decay)
+    turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
+    return envelope, phase - 2 * np.pi * turns
+
+
 def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
     """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
     envelope, phase, _ = envelope_and_phase(observed, observed.samples)
@@ -183,16 +191,13 @@ def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit
     sound = fit
     for at in range(rounds):
         try:
-            decay = exact_decay(observed, fit)
+            seen, phase = seen_of(observed, fit)
         except RunsAway:
             if not at:
                 raise
             return sound
         sound = fit
-        seen, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
-        bias_envelope = seen - fit.envelope_fit.fit
-        bias_phase = phase - fit.phase_fit.fit
-        bias_phase -= 2 * np.pi * np.round(np.median(bias_phase) / (2 * np.pi))
+        bias_envelope, bias_phase = seen - fit.envelope_fit.fit, phase - fit.phase_fit.fit
         more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
         envelope, phases = fit.envelope - more, fit.phase - later
         size = np.abs(envelope)

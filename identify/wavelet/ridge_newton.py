@@ -11,15 +11,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.signal.averaging import integrate_envelope
-from identify.wavelet.ridge_fit import (
-    Observed,
-    RidgeFit,
-    channel_of,
-    envelope_and_phase,
-    exact_decay,
-    free_of_bias,
-    phase_model,
-)
+from identify.wavelet.ridge_fit import Observed, RidgeFit, free_of_bias, phase_model, seen_of
 
 _ROUNDS = 8
 _SETTLED = 1e-4  # of a parameter's own size
@@ -38,11 +30,11 @@ def _newton(observed: Observed, fit: RidgeFit) -> RidgeFit:
     envelope, phase = fit.envelope + fit.bias_envelope, fit.phase + fit.bias_phase
     size = _sizes(fit, observed)
     for _ in range(_ROUNDS):
-        seen = _seen(observed, fit)
+        seen = seen_of(observed, fit)
         gap = _gained(fit, envelope - seen[0], phase - seen[1])
         answer = np.empty((len(size), len(size)))
         for i in range(len(size)):
-            moved = _seen(observed, _moved(fit, np.where(np.arange(len(size)) == i, 1e-3 * size, 0.0)))
+            moved = seen_of(observed, _moved(fit, np.where(np.arange(len(size)) == i, 1e-3 * size, 0.0)))
             answer[:, i] = _gained(fit, moved[0] - seen[0], moved[1] - seen[1]) / (1e-3 * size[i])
         scale = size[:, None] / size
         mixing = np.linalg.pinv(answer / scale, rcond=1e-6) * scale
@@ -51,7 +43,7 @@ def _newton(observed: Observed, fit: RidgeFit) -> RidgeFit:
         fit = _moved(fit, change * min(1.0, 0.3 / max(largest, 1e-300)))
         if largest < _SETTLED:
             break
-    seen = _seen(observed, fit)
+    seen = seen_of(observed, fit)
     bias = seen[0] - fit.envelope_fit.fit, seen[1] - fit.phase_fit.fit
     left = envelope - bias[0] - fit.envelope_fit.fit
     misfit = float(100 * np.mean(left**2) / np.var(envelope))
@@ -87,13 +79,6 @@ def _moved(fit: RidgeFit, change: Array) -> RidgeFit:
         envelope_fit=replace(fit.envelope_fit, parameters=decay, fit=model),
         phase_fit=replace(fit.phase_fit, parameters=phases, fit=turned),
     )
-
-
-def _seen(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
-    decay = exact_decay(observed, fit)
-    envelope, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
-    turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
-    return envelope, phase - 2 * np.pi * turns
 
 
 def _gained(fit: RidgeFit, envelope: Array, phase: Array) -> Array:

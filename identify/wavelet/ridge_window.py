@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.decimation import flat_frequency
@@ -20,7 +19,6 @@ _FEWEST_CYCLES = 3.0
 _STOP_AT_FIRST = 0.1  # of the largest amplitude, until dry friction is known
 _STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, where sticking is one cycle away
 _STOP_AT_NOISE = 6.0  # and to this many standard deviations of a sample
-_STILL_DRIVEN = 0.1  # of the largest force
 
 
 def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
@@ -38,8 +36,10 @@ def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
     if frequency <= 0:
         raise NotIdentifiable(f"no oscillation stands out of the {channel} after the release")
     start = first_free_sample(decay, frequency)
-    if decay.force is not None:
-        _require_free(decay.force, start)
+    if decay.driven:
+        raise NotIdentifiable(
+            "a force drives the motion to the end of the record; the wavelet method needs a free decay"
+        )
     require_cycles(len(whole) - start, decay.rate, frequency, _FEWEST_CYCLES)
     noise = noise_levels(decay)[channel]
     rough = observe(whole[start:], valid[start:], decay.rate, derivatives, 2 * np.pi * frequency, noise)
@@ -68,11 +68,3 @@ def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
     if float(np.median(envelope[:large])) < quiet:
         raise still
     return start, observed
-
-
-def _require_free(force: Array, start: int) -> None:
-    later = force[start:] - np.median(force[start:])
-    if np.max(np.abs(later)) > _STILL_DRIVEN * np.max(np.abs(force - np.median(force))):
-        raise NotIdentifiable(
-            "a force drives the motion to the end of the record; the wavelet method needs a free decay"
-        )

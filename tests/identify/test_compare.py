@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from comparing import compared, fitted
 
-from identify.comparison.compare import compare_fitted
+from identify.comparison.compare import compare, compare_fitted
 from identify.comparison.compare_cycles import compare_cycles
 from identify.comparison.discrepancies import find_discrepancies
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.comparison.kinematic_check import KinematicCheck
 from identify.comparison.multiple_shooting import shoot
 from identify.diagnosis.ladder import add_effect, step_of
 from identify.effects.library import find_effect
+from identify.free_decay import FreeDecay
 from mocks.generate import draw
 
 NOISE_ONLY = range(40, 50)
@@ -197,3 +199,14 @@ def test_a_fault_that_the_model_has_is_no_contradiction_of_the_channels():
     assert "once a sensor's fault is corrected" in found.cause
     assert found.places == ()
     assert found.force_error < 0.2 * before.force_error
+
+
+@pytest.mark.parametrize("readings_a_cycle", [8, 12])
+def test_two_channels_of_few_readings_a_cycle_are_compared(readings_a_cycle):
+    """All of their readings are near a reversal, where no smooth motion follows dry friction."""
+    sample = draw(None, 0.0, 5001)
+    every = int(sample.rate / 3.94 / readings_a_cycle)
+    channels = sample.displacement[::every], sample.acceleration[::every]
+    found = compare(FreeDecay(sample.rate / every, *channels))
+    assert found.kinematics == KinematicCheck(0.0, 0.0)
+    assert found.cause.startswith("Both channels describe one motion")

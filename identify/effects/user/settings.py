@@ -13,10 +13,9 @@ from math import inf, isfinite
 from identify.effects.effect import Parameter
 from identify.effects.user.initial_values import problem_of
 
-_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d{1,3})?")
-_UNIT = re.compile(r"[^=<>;:,]*?(?=\s*(?:>=|<=|=|\bstart\b|$))")
-_SPACE = re.compile(r"\s*")
+_NAME = r"[A-Za-z](?a:\w*)"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
+_UNIT = r"[^=<>;:,]*?(?=\s*(?:>=|<=|=|\bstart\b|$))"
 _LIKE = "such as 'b: m >= 0 start 0.002, 0.01' or 'b: m = 0..0.05'"
 
 
@@ -33,31 +32,22 @@ class _Reader:
     """Reads one setting from left to right; `before` characters of what the user typed stand before it."""
 
     def __init__(self, text: str, before: int) -> None:
-        self.text, self.before, self.at = text, before, 0
-        self.skip()
+        self.text, self.before, self.at = text, before, len(text) - len(text.lstrip())
 
     @property
     def place(self) -> int:
         return self.before + self.at + 1
 
-    def skip(self) -> None:
-        found = _SPACE.match(self.text, self.at)
+    def take(self, pattern: str) -> str | None:
+        found = re.compile(rf"({pattern})\s*").match(self.text, self.at)
         self.at = found.end() if found else self.at
+        return found[1] if found else None
 
-    def take(self, sign: str) -> bool:
-        if not self.text.startswith(sign, self.at):
-            return False
-        self.at += len(sign)
-        self.skip()
-        return True
-
-    def read(self, pattern: re.Pattern[str], what: str) -> str:
-        found = pattern.match(self.text, self.at)
+    def read(self, pattern: str, what: str) -> str:
+        found = self.take(pattern)
         if found is None:
             raise ValueError(f"character {self.place}: {what} is expected here, {_LIKE}")
-        self.at = found.end()
-        self.skip()
-        return found.group()
+        return found
 
     def number(self) -> float:
         place, value = self.place, float(self.read(_NUMBER, "a number"))
@@ -75,7 +65,7 @@ def read_setting(text: str, *, before: int) -> OwnSetting:
     at["unit"] = reader.place
     unit = reader.read(_UNIT, "a unit").strip() if has_unit else ""
     if has_unit and not unit:
-        raise ValueError(f"character {at['unit']}: a unit is expected after the colon, {_LIKE}")
+        raise ValueError(f"character {at['unit']}: a unit is expected here, {_LIKE}")
     at["bounds"] = reader.place
     parameter = Parameter(name, unit, "", *_bounds(reader))
     starts: tuple[float, ...] = ()
@@ -95,10 +85,9 @@ def read_setting(text: str, *, before: int) -> OwnSetting:
 
 
 def _bounds(reader: _Reader) -> tuple[float, float]:
-    if reader.text.startswith("=", reader.at) and reader.take("="):
+    if reader.take("="):
         low = reader.number()
-        if not reader.take(".."):
-            raise ValueError(f"character {reader.place}: '..' and the upper bound are expected here, {_LIKE}")
+        reader.read(r"\.\.", "'..' with the upper bound")
         return low, reader.number()
     low = reader.number() if reader.take(">=") else -inf
     high = reader.number() if reader.take("<=") else inf
