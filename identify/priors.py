@@ -81,8 +81,8 @@ CLEAR = 3.0
 FEWEST_CYCLES = 5.0
 """Cycles of all releases together, below which effects are not distinguishable."""
 
-DROWNED = 100.0 / float(np.sqrt(2.0))
-"""Percent of the motion (rms) left by a model that leaves as much of its power as it explains."""
+HARDLY_KNOWN = 1.0
+"""Standard error of a guessed floor from which on the residual may be all noise as well as hardly any."""
 
 STIFFNESS_VARIES = 0.01
 """Standard deviation of a release's own spring, as a share of that of all releases: clamping, temperature."""

@@ -38,7 +38,7 @@ from identify.judging.releases_differ import (
 )
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import candidate_terms, singles
-from identify.judging.verdict import HEADLINES, Judgement, Verdict, is_drowned, too_few_cycles
+from identify.judging.verdict import HEADLINES, Judgement, Verdict, may_hide_anything, too_few_cycles
 from identify.model.model import Model, base_model
 from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
 from identify.planning.next_release import Limits, NextRelease, next_release
@@ -238,7 +238,7 @@ def diagnose(
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
     few = too_few_cycles(baseline) and verdict != "sensor_fault"
-    if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
+    if few or (verdict == "nothing_missing" and may_hide_anything(settled, settled.fit)):
         verdict = "not_enough_data"
         judgement = replace(judgement, verdict=verdict, walk=None)
     findings = _findings(settled)
@@ -378,6 +378,7 @@ def refine(
 
 
 _MORE = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+_AT_REST = "Record the sensor at rest for a second before the release, from a larger amplitude."
 _AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"
 
 
@@ -385,7 +386,7 @@ def _next_experiment(
     baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...], chosen: NextRelease | None
 ) -> str:
     if verdict == "not_enough_data":
-        return _MORE
+        return _MORE if too_few_cycles(baseline) else _AT_REST
     if verdict == "driven":
         return "Stop the drive and release the mass."
     if verdict == "sensor_fault" and not suspects[0].rivals:

@@ -36,9 +36,6 @@ _LESSER_PART = 0.5
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
 
-HARDLY_KNOWN = 1.0
-"""Standard error of the floor, as a share of it, from which reaching it says little."""
-
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
@@ -116,13 +113,10 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
             f"The model explains all but {whole}. That is too little to be worth a name, although the reduced chi-square is "
             f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
-    first = (
+    return (
         f"The model leaves a reduced chi-square of {left}, which is {floor}; "
         "no effect of the library lowers it by more than chance would."
     )
-    if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < LARGE:
-        return first
-    return f"{first} But that floor is hardly known, and the residual is {whole}: a force may hide in it."
 
 
 def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
@@ -155,8 +149,18 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     first, last = map(three_figures, misfits[where])
     return (
         f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
-        f"{after}; the noise floor is {floor_of(baseline)}.{_small(baseline, top, settled)}"
-        f"{_hardly_any_of_it(baseline, top, settled)}"
+        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, settled)}"
+        f"{_small(baseline, top, settled)}{_hardly_any_of_it(baseline, top, settled)}"
+    )
+
+
+def _above_the_floor(baseline: Baseline, settled: Baseline) -> str:
+    """Say that what a name leaves is more than the noise at rest, and holds no law; "" where the floor is reached."""
+    if not baseline.floor_is_sure or baseline.adequate(settled.fit):
+        return ""
+    return (
+        f" The residual is {_times_the_noise(settled.fit.reduced)}, but neither a random drift nor a smooth law explains "
+        "any of it."
     )
 
 

@@ -130,7 +130,8 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     """Weigh a name against a walk and a law without a name, each effect beside the others; None where it loses.
 
-    The judgement gets the walk that remains beside the name, if one does.
+    The judgement gets the walk that remains beside the name, if one does. What a name leaves above the floor must be noise:
+    where a walk explains that, the name is not given.
     """
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
@@ -152,7 +153,9 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
             nats = {effect.name: evidence(less, final, scales)}
             if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
                 return None
-    return replace(judged, walk=last.walk) if last.walk.evidence > RIVALS_WITHIN * widened else judged
+    if last.walk.evidence <= RIVALS_WITHIN * widened:
+        return judged
+    return replace(judged, walk=last.walk) if baseline.adequate(final) else None
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:

@@ -1,6 +1,6 @@
 """The judgement: what is claimed, what is not distinguishable, and the verdict. Nothing else decides these.
 
-This module judges where the floor is reached or sure; `floor_not_reached` elsewhere. `ranking` weighs each candidate.
+This module judges where the floor is sure; `floor_not_reached` where it is a guess. `ranking` weighs each candidate.
 """
 
 from collections.abc import Callable
@@ -31,8 +31,8 @@ def judge(
 ) -> Judgement:
     """Decide the verdict: nothing is missing, one effect reaches the floor, several do together, or no name does.
 
-    Where the floor is not reached, or could only be guessed, chi-square names nothing: `predict` is asked what the
-    curves of the decay confirm. There the fit also allows for a sensor's line beside a force.
+    Where the floor could only be guessed, chi-square names nothing: `predict` is asked what the curves of the decay
+    confirm. There the fit also allows for a sensor's line beside a force.
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
@@ -83,30 +83,28 @@ def _judged(
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
     | several effects together | they are named, if they pass `weighed` | not asked: two follow any guess |
-    | none | `by_curves` | the same |
+    | none | the best claim is named, if it passes `weighed`; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
     if best is None and baseline.adequate(baseline.fit):
         return Judgement("nothing_missing", ranked, baseline.fit)
     if best is None:
         return by_curves(baseline, ranked, predict(), baseline.fit)
-    if baseline.adequate(best.fit):
-        if not best.plausible:
-            shape = free_form(baseline, baseline.fit)
-            return Judgement("unknown_effect", ranked, best.fit, shape=shape)
-        named = Judgement(verdict_of(best), ranked, best.fit)
-    else:
-        found = several_effects(baseline, ranked, library) if baseline.floor_is_sure else None
-        if found is None:
-            return by_curves(baseline, ranked, predict(), best.fit)
-        named = _of_several(baseline, ranked, found)
+    reached = baseline.adequate(best.fit)
+    named = Judgement(verdict_of(best), ranked, best.fit) if best.plausible else None
     if not baseline.floor_is_sure:
-        return at_a_guess(baseline, named, predict())
-    kept = weighed(baseline, named)
-    if kept is not None:
-        return kept
+        if reached and named is not None:
+            return at_a_guess(baseline, named, predict())
+    else:
+        several = None if reached else several_effects(baseline, ranked, library)
+        named = named if several is None else _of_several(baseline, ranked, several)
+        kept = None if named is None else weighed(baseline, named)
+        if kept is not None:
+            return kept
+    if not reached:
+        return by_curves(baseline, ranked, predict(), best.fit)
     shape = free_form(baseline, baseline.fit)
-    return Judgement("unknown_effect", named.ranked, baseline.fit, shape=shape)
+    return Judgement("unknown_effect", ranked, baseline.fit if best.plausible else best.fit, shape=shape)
 
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:

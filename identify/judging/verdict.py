@@ -13,7 +13,7 @@ from identify.fitting.random_walk import RandomWalk
 from identify.formatting import three_figures
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspects import Candidate
-from identify.priors import DROWNED, FEWEST_CYCLES
+from identify.priors import FEWEST_CYCLES, HARDLY_KNOWN, LARGE
 
 Verdict = Literal[
     "missing_effect",
@@ -68,9 +68,10 @@ def too_few_cycles(baseline: Baseline) -> bool:
     return seconds * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
 
 
-def is_drowned(baseline: Baseline, found: Fit) -> bool:
-    """Check whether a fit leaves most of the motion and only a guessed floor accepts it: it would accept any model."""
-    return not baseline.floor_is_sure and baseline.adequate(found) and motion_percent(found) > DROWNED
+def may_hide_anything(baseline: Baseline, found: Fit) -> bool:
+    """Check whether a fit leaves enough of the motion for a name, and only a floor that is hardly known accepts it."""
+    unknown = not baseline.floor_is_sure and baseline.spread >= HARDLY_KNOWN
+    return unknown and baseline.adequate(found) and motion_percent(found) > LARGE
 
 
 def why_not_enough(baseline: Baseline, found: Fit) -> str:
@@ -81,7 +82,7 @@ def why_not_enough(baseline: Baseline, found: Fit) -> str:
             "Release from a larger amplitude, or record for longer."
         )
     return (
-        f"The model leaves {three_figures(motion_percent(found))} % of the motion. The noise of this record is only a guess "
-        "and may be as large, so any model would pass. Look at the record first: is this the right column, and is the "
-        "mass swinging freely? If so, release from a larger amplitude, or record the sensor at rest before the release."
+        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise of this record, which is only "
+        "a guess, may be as large: any model would pass. Look at the record first: is this the right column, and is the "
+        "mass swinging freely?"
     )
