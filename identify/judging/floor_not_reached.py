@@ -1,8 +1,9 @@
 """The judgement where the noise floor is not reached, or is only a guess.
 
 Chi-square alone names nothing there. An effect is named if it reaches a guessed floor and passes `weighed`; if it predicts
-what it was not fitted to; or one force whose simulation leaves almost no residual, where the curves cannot decide. The
-strength must be clear of none, but for a second oscillator where the amplitude beats.
+what it was not fitted to, and the free run agrees with its strength; or one force whose simulation leaves almost no
+residual, where the curves cannot decide. A strength that no curve measures must be clear of none, but for a second
+oscillator where the amplitude beats.
 
 A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 
@@ -31,7 +32,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.suspects import Candidate, residual_lines, singles, try_terms
 from identify.judging.verdict import Judgement
-from identify.priors import DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
+from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one predicted: one in thirty of those between -1 and 2 times it."""
@@ -97,7 +98,7 @@ def by_curves(
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
     confirmed = found is not None and bool(found.effects) and not baseline.floor_is_sure
     whole = fit_confirmed(baseline, found) if confirmed and found is not None else None
-    if found is not None and whole is not None and all(is_clear(whole, e.term) for e in found.effects):
+    if found is not None and whole is not None and _agree(found, whole):
         return _of_confirmed(baseline, ranked, found, whole)
     alone = _by_free_run(baseline, ranked, found)
     if alone is not None:
@@ -109,6 +110,12 @@ def by_curves(
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
+
+
+def _agree(found: Confirmation, whole: Fit) -> bool:
+    """Check that curves and free run agree on the strength of each confirmed effect, but for a small factor."""
+    ratios = (whole.values[str(e.term.strength)].value / e.strength for e in found.effects)
+    return all(1.0 / AGREES < ratio < AGREES for ratio in ratios)
 
 
 def _of_confirmed(
