@@ -82,7 +82,7 @@ def why_not_enough(baseline: Baseline, found: Fit) -> str:
             "Release from a larger amplitude, or record for longer."
         )
     return (
-        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise of this record, which is only "
-        "a guess, may be as large: any model would pass. Look at the record first: is this the right column, and is the "
-        "mass swinging freely?"
+        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise of this record, which is "
+        "only a guess, may be as large: any model would pass. Look at the record first: is this the right column, and is "
+        "the mass swinging freely?"
     )
