@@ -11,6 +11,9 @@ from daq.importing.units import parse_unit
 
 _WORD = re.compile(r"[^\W\d_][^\W_]{0,7}(?:[/*]\(?[^\W\d_][^\W_]{0,3}(?:\^?[-\d]{0,2}))?|°(?:/s)?")
 MOST_UNITS = 100
+LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
+"""So a line of a log ends, and no row of names."""
+
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
 
 
@@ -22,7 +25,7 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
     above: list[list[str]] = []
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
-        if not line.strip():
+        if not line.strip() or line.rstrip().endswith(LOGGED):
             continue
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
@@ -51,8 +54,8 @@ def _says(cells: Sequence[str]) -> int:
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
     """Cut a header line; between blanks `Time (s)` is one cell. Above a table of tabs, too, names may lie between blanks."""
-    plain = split(line, delimiter)
-    blanks = delimiter == BLANK or (delimiter == "\t" and delimiter not in line)
+    blanks = delimiter == BLANK or (delimiter == "\t" and delimiter not in line.strip())
+    plain = split(line.strip() if blanks else line, delimiter)
     if not blanks or len(plain) == width:
         return plain
     for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):

@@ -103,12 +103,12 @@ def _by_times(table: Table) -> list[Table]:
 
 
 def rises_evenly(column: SourceColumn) -> bool:
-    """Check whether the numbers that are there rise all the way in steps that are nearly alike."""
+    """Check whether the numbers that are there rise to the end in steps that are nearly alike; rounded ones may stand."""
     values = column.values[np.isfinite(column.values)]
     if column.bad is not None or len(values) < FEWEST_ROWS or not np.max(np.abs(values)) < 1e100:
         return False
     steps = np.diff(values)
-    return bool(np.all(steps > 0.0) and np.max(steps) < 20.0 * np.median(steps))
+    return bool(np.all(steps >= 0.0) and 0.0 < np.max(steps) < 20.0 * np.mean(steps))
 
 
 def pieces(table: Table, columns: Sequence[SourceColumn], by: SourceColumn, *, counted: bool) -> list[Table]:

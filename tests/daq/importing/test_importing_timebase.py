@@ -1,5 +1,6 @@
 """Time stamps: even, uneven, doubled, missing, jumping, in other units."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -278,3 +279,13 @@ def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
     assert recording.rate == pytest.approx(30.0)
     assert recording.samples.shape == (1, 900)
     assert "x (mm) repeats the reading before it" in str(judge(recording))
+
+
+def test_time_without_a_name_is_found_though_it_is_rounded_to_more_than_a_sample(tmp_path: Path) -> None:
+    """A tracker writes three digits: hundredths up to ten seconds, tenths from there on; its names stand before tabs."""
+    time = np.arange(600) / 30.0
+    rows = "\n".join(f"{t:.2E}\t{20.0 * math.cos(3.0 * t):.3f}\t0.01\t0.01" for t in time)
+    recording = load(tmp_path, f"x y dx dy\t\t\t\n{rows}", units={"displacement": "deg"})
+    assert recording.rate == pytest.approx(30.0, rel=2e-3)
+    assert "'x' has no name that says so, but its numbers rise evenly" in said(recording)
+    assert np.abs(recording.samples[0][0]) == pytest.approx(math.radians(20.0), rel=1e-3)
