@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
@@ -62,8 +61,8 @@ class Weighing:
     @property
     def force_scale(self) -> tuple[float, str]:
         """The factor from a force per unit mass to the force that is shown, and its unit."""
-        shown = DiscrepancyText(self.unit, self.mass)
-        return shown.force_scale, shown.force_unit
+        one = self.strength(Estimate(1.0, 0.0, f"{self.unit}/s^2"))
+        return one.value, one.unit
 
     @property
     def words(self) -> str:
