@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
@@ -62,8 +61,8 @@ class Weighing:
     @property
     def force_scale(self) -> tuple[float, str]:
         """The factor from a force per unit mass to the force that is shown, and its unit."""
-        shown = DiscrepancyText(self.unit, self.mass)
-        return shown.force_scale, shown.force_unit
+        one = self.strength(Estimate(1.0, 0.0, f"{self.unit}/s^2"))
+        return one.value, one.unit
 
     @property
     def words(self) -> str:
@@ -150,6 +149,8 @@ def _of_the_oscillation(fit: Fit) -> tuple[EngineeringValue, ...]:
         return (frequency,)
     zeta = mu_1.value / (2.0 * omega)
     zeta_std = math.hypot(mu_1.std / (2.0 * omega), zeta * omega_std / omega)
+    if not abs(zeta) < 1.0:  # another spring carries the mass: the linear one alone would not oscillate
+        return (frequency, EngineeringValue("damping ratio (viscous part)", Estimate(zeta, zeta_std, "1")))
     root = math.sqrt(1.0 - zeta * zeta)
     decrement = Estimate(2.0 * math.pi * zeta / root, 2.0 * math.pi * zeta_std / root**3, "1")
     return (

@@ -75,7 +75,20 @@ def show_parts(console: Console, parts: Iterable[Part]) -> None:
             case Table():
                 if part.caption:
                     console.print(Text(f" {part.caption}", style="bold"))
-                console.print(Padding(grid(part, console.width - 1), (0, 0, 0, 1)))
+                if any(part.head) or _fits(part, console.width - 1):
+                    console.print(Padding(grid(part, console.width - 1), (0, 0, 0, 1)))
+                    continue
+                for row in part.rows:  # a path may be longer than a line, and is never folded
+                    console.print(f" {_plain('  '.join(row))}", markup=False, soft_wrap=True)
+
+
+def _fits(table: Table, width: int) -> bool:
+    """Tell whether the columns stand beside each other, none of which has a word that takes half of the width."""
+    columns = zip(*table.rows, strict=True)
+    longest = [
+        max((len(word) for cell in cells for word in _plain(cell).split()), default=0) for cells in columns
+    ]
+    return max(longest, default=0) <= width // 2 and sum(longest) + 2 * (len(longest) - 1) <= width
 
 
 def grid(table: Table, width: int) -> Grid:

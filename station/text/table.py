@@ -58,7 +58,7 @@ def make_tables(documents: list[dict[str, Any]], *, plain: bool = False) -> Tabl
     """Make both tables of identified sessions, which share their units; `plain` ones are for JSON, by mu_i per unit mass."""
     cells = [_cells_of(document, plain) for document in documents]
     units = {key.rpartition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
-    units["K"] = units.pop("K")
+    units |= {"K": units.pop("K")} if units else {}
     keys = [f"{name} ({label})" for name in units for label in METHODS]
     table_1: list[Row] = [
         {

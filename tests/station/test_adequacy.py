@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -138,6 +139,20 @@ def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other
     assert judged.adequate
     assert not judged.quotable
     assert "standard errors apart in" in judgement(judged)
+
+
+def test_a_linear_spring_that_alone_would_not_oscillate_has_a_damping_ratio_and_no_decrement():
+    values = {"linear_stiffness.k": 0.05, "coulomb_friction.mu_0": 0.02, "viscous_damping.mu_1": 0.8}
+    units = {"linear_stiffness.k": "1/s^2", "coulomb_friction.mu_0": "m/s^2", "viscous_damping.mu_1": "1/s"}
+    estimates = {name: Estimate(value, 1e-3, units[name]) for name, value in values.items()}
+    fit = SimpleNamespace(
+        model=base_model(),
+        values=estimates,
+        of=lambda term, _: {term.strength.parameter: estimates[str(term.strength)]},
+    )
+    quoted = {one.name: one.value.value for one in engineering_values(fit, UNKNOWN)}
+    assert quoted["damping ratio (viscous part)"] == pytest.approx(0.8 / (2 * math.sqrt(0.05)))
+    assert "logarithmic decrement (viscous part)" not in quoted
 
 
 @pytest.mark.parametrize(("share", "quoted"), [(0.0, True), (0.004, True), (0.02, False), (0.1, False)])

@@ -84,3 +84,10 @@ def test_what_moves_through_an_angle_has_a_torque_and_an_inertia():
     assert Weighing(unit="rad").worded("friction force per unit mass") == "friction torque per unit inertia"
     assert Weighing(2.0, unit="rad").worded("stiffness, per unit mass") == "stiffness"
     assert UNKNOWN.worded() == "force per unit mass"
+
+
+def test_a_force_is_in_newtons_only_where_the_displacement_is_a_length():
+    assert Weighing(2.0).force_scale == (2.0, "N")
+    assert Weighing(2.0, unit="rad").force_scale == (2.0, "N m")
+    assert Weighing(2.0, unit="V").force_scale == (2.0, "kg V/s^2")
+    assert UNKNOWN.force_scale == (1.0, "m/s^2")

@@ -101,3 +101,13 @@ def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
     assert tables.table_2[0] == {"method": "WT", "c₀": None, "c₁": None, "K": None}
     for text in (table.as_text(tables), table.as_latex(tables)):
         assert "100" in text
+
+
+def test_releases_of_which_neither_method_found_anything_are_told_all_the_same():
+    documents = [
+        document(name, 0.01, 1.0, None, (0.1, 0.2, 100.0)) | {"restoring_force": None} for name in "ab"
+    ]
+    tables = table.make_tables(documents)
+    assert tables.units == {}
+    assert [row["session"] for row in tables.table_1] == ["a", "b"]
+    assert table.in_pieces(tables)

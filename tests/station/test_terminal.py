@@ -72,3 +72,13 @@ def test_names_break_at_blanks_where_values_are_wide():
     rows = console.file.getvalue().splitlines()
     assert [row.split()[0] for row in rows[1:]] == ["viscous", "damping"]
     assert value in rows[1]
+
+
+def test_words_beside_a_path_that_is_longer_than_a_line_are_printed_and_the_path_is_not_folded():
+    path = f"/measurements/{'a' * 90}/spindle:"
+    console = Console(width=80, file=io.StringIO())
+    show_parts(
+        console, [Table("", ("", ""), ((path, "8 files checked"), ("", "raw.log is damaged")), texts=2)]
+    )
+    rows = console.file.getvalue().splitlines()
+    assert [row.split(maxsplit=1) for row in rows] == [[path, "8 files checked"], ["raw.log", "is damaged"]]
