@@ -18,9 +18,11 @@ Index = NDArray[np.int64]
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
-ROUGHER = 1.25  # times what local cubics leave on an even clock: more at the stamps says that these show no reading's time
-ROWS_OF_A_CUBIC = 7
-MOST_CUBICS = 20_000
+ROUGHER = 1.25  # times what local curves leave on an even clock: more at the stamps says that these show no reading's time
+ROWS_OF_A_CURVE = 11
+DEGREE = 7  # closer to a motion of seven readings a cycle than jitter of 5 % of an interval moves it
+MOST_CURVES = 20_000
+MOVES = 0.1  # of the largest variance within a curve's rows (but for one in twenty): at rest no stamp makes readings rougher
 SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
@@ -188,24 +190,26 @@ def _evenness(slope: float, stray: float, resampled: bool) -> str:
 def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
     """Return how much rougher readings (channels, n) are as functions of their `stamps` than on an even clock.
 
-    Both clocks (n,) count in sampling intervals. It is the ratio of the squares that cubics leave of every few rows, of all
-    channels (geometric mean); 1 where there are too few rows.
+    Both clocks (n,) count in sampling intervals. It is the ratio of the squares that polynomials leave of every few rows
+    in which a channel moves (geometric mean); 1 where there are too few rows.
     """
-    last = len(stamps) - ROWS_OF_A_CUBIC
+    there = np.isfinite(values).all(axis=0)
+    values, index, stamps = values[:, there], index[there], stamps[there]
+    last = len(stamps) - ROWS_OF_A_CURVE
     if last < 0:
         return 1.0
-    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CUBICS)).astype(np.int64))
-    at = first[:, None] + np.arange(ROWS_OF_A_CUBIC)
+    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CURVES)).astype(np.int64))
+    at = first[:, None] + np.arange(ROWS_OF_A_CURVE)
     readings = values[:, at] - values[:, at].mean(axis=-1, keepdims=True)
 
     def left(clock: Array) -> Array:
         time = clock[at] - clock[at].mean(axis=-1, keepdims=True)
-        basis, _ = np.linalg.qr((time / ROWS_OF_A_CUBIC)[..., None] ** np.arange(4))
+        basis, _ = np.linalg.qr((time / ROWS_OF_A_CURVE)[..., None] ** np.arange(DEGREE + 1))
         rest = readings - np.einsum("mij,mkj,cmk->cmi", basis, basis, readings)
-        return np.asarray(np.nansum(rest**2, axis=(1, 2)))
+        return np.asarray(np.sum(rest**2, axis=-1))
 
-    even, stamped = left(index.astype(float)), left(stamps)
-    told = (even > 0.0) & (stamped > 0.0)
+    even, stamped, whole = left(index.astype(float)), left(stamps), np.sum(readings**2, axis=-1)
+    told = (even > 0.0) & (stamped > 0.0) & (whole > MOVES * np.quantile(whole, 0.95, axis=-1, keepdims=True))
     return float(np.exp(np.mean(np.log(stamped[told] / even[told])))) if told.any() else 1.0
 
 

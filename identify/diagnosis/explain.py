@@ -67,7 +67,7 @@ def explain(
         return explain_confirmed(suspects, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
-    first = _named(baseline, top, together, settled)
+    first = _named(baseline, top, judgement, settled)
     others = tuple(s for s in suspects[1:] if s.effect.name not in together)
     second = f"{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
     if shape is not None and not baseline.adequate(settled.fit):
@@ -132,7 +132,8 @@ def _line_in_words(line: Suspect) -> str:
     return f"{what}: too small to be worth a name."
 
 
-def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
+def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Baseline) -> str:
+    together = judgement.together
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)}"
     if not top.strength_known:
@@ -149,18 +150,19 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     first, last = map(three_figures, misfits[where])
     return (
         f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
-        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, settled)}"
+        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement, settled)}"
         f"{_small(baseline, top, settled)}{_hardly_any_of_it(baseline, top, settled)}"
     )
 
 
-def _above_the_floor(baseline: Baseline, settled: Baseline) -> str:
-    """Say that what a name leaves is more than the noise at rest, and holds no law; "" where the floor is reached."""
-    if not baseline.floor_is_sure or baseline.adequate(settled.fit):
+def _above_the_floor(baseline: Baseline, judgement: Judgement, settled: Baseline) -> str:
+    """Say that what a name leaves is more than the noise at rest, and was weighed against laws; "" where it was not."""
+    reached = not baseline.floor_is_sure or baseline.adequate(judgement.final)
+    if reached or judgement.shape is not None or judgement.walk is not None:
         return ""
     return (
         f" The residual is {_times_the_noise(settled.fit.reduced)}, but neither a random drift nor a smooth law explains "
-        "any of it."
+        "more of it than chance would."
     )
 
 

@@ -83,6 +83,24 @@ def test_stamps_that_tell_when_a_row_arrived_leave_readings_on_their_even_clock(
     np.testing.assert_allclose(recording.samples[0], U, rtol=1e-7)
 
 
+@pytest.mark.parametrize("readings", ["quick", "dropouts", "empty cells", "a long tail"])
+def test_where_readings_are_rougher_shows_in_every_kind_of_record(tmp_path: Path, readings: str) -> None:
+    """Nine readings a cycle; one reading in a hundred lost to 0; every fifth cell empty; a tenth of the record in motion."""
+    random = np.random.default_rng(7)
+    time = np.arange(4000) * 0.01
+    late = random.uniform(0.0, 2e-3, time.size)
+    x = 0.02 * np.cos((2.0 * np.pi * 11.0 if readings == "quick" else OMEGA) * time)
+    x += random.normal(0.0, 2e-5, time.size)
+    if readings == "dropouts":
+        x[::100] = 0.0
+    if readings == "empty cells":
+        x[::5] = np.nan
+    if readings == "a long tail":
+        x *= np.where(time < 4.0, 1.0, 1e-3)
+    recording = load(tmp_path, table(HEADER, time + late, x).replace("nan", ""))
+    assert "rougher" in said(recording)
+
+
 def test_the_rates_standard_error_is_right_for_white_jitter(tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     pulls = []
