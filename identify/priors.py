@@ -78,7 +78,7 @@ NEXT_TO_NOTHING = 0.01
 CLEAR = 3.0
 """Standard errors, of the misfit that is there, by which a strength must differ from none."""
 
-AGREES = 2.0
+AGREES = 1.5
 """Factor within which curves and free run must agree on the strength of an effect that the curves confirm."""
 
 FEWEST_CYCLES = 5.0

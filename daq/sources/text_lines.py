@@ -42,8 +42,10 @@ class LineCutter:
 
 def parse_line(text: str) -> dict[str, float] | None:
     """Return the numbers of a line by the name of their column, "1", "2" ... where it has no names; None where it is none
-    of the forms. What is not a number there reads as NaN.
+    of the forms, or is only drawn. What is not a number there reads as NaN.
     """
+    if not any(map(str.isalnum, text)):
+        return None
     if text.startswith("{"):
         return _from_json(text)
     pairs = _pairs(text)

@@ -98,7 +98,7 @@ def by_curves(
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
     confirmed = found is not None and bool(found.effects) and not baseline.floor_is_sure
     whole = fit_confirmed(baseline, found) if confirmed and found is not None else None
-    if found is not None and whole is not None and _agree(found, whole):
+    if found is not None and whole is not None and agree(found, whole):
         return _of_confirmed(baseline, ranked, found, whole)
     alone = _by_free_run(baseline, ranked, found)
     if alone is not None:
@@ -112,7 +112,7 @@ def by_curves(
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
 
 
-def _agree(found: Confirmation, whole: Fit) -> bool:
+def agree(found: Confirmation, whole: Fit) -> bool:
     """Check that curves and free run agree on the strength of each confirmed effect, but for a small factor."""
     ratios = (whole.values[str(e.term.strength)].value / e.strength for e in found.effects)
     return all(1.0 / AGREES < ratio < AGREES for ratio in ratios)

@@ -82,7 +82,7 @@ def _judged(
     | the model, and nothing is claimed | nothing is missing | the same |
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
-    | several effects together | they are named, if they pass `weighed` | not asked: two follow any guess |
+    | several effects together | they are named, if they pass `weighed`; else as none | not asked: two follow any guess |
     | none | the best claim is named, if it passes `weighed`; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None

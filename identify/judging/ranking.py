@@ -47,15 +47,16 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     ranked = (
         replace(c, evidence=n, claimed=sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True)
     )
-    return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
+    above = widened > 1.0 or not baseline.floor_is_sure
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=above)
 
 
 def line_of_sensor_first(ranked: tuple[Candidate, ...], *, by_gain: bool = False) -> tuple[Candidate, ...]:
     """Put a sensor's line before a force where this record does not distinguish the two.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
-    leads where it has as good evidence; `by_gain`, where no rest tells the two apart, also where it leaves as little: how
-    far chance reaches is unsure for each alone.
+    leads where it has as good evidence; `by_gain`, where no known floor is reached, also where it leaves as little: how far
+    chance reaches is unsure for each alone.
     """
     if not ranked or not ranked[0].claimed or not ranked[0].term.is_force:
         return ranked

@@ -1,0 +1,76 @@
+"""A name above a known floor: sensors noisier in motion than at rest hide no force, and a walk is given no name."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from identify.diagnosis.diagnose import Diagnosis, diagnose
+from identify.effects.library import find_effect
+from identify.free_decay import FreeDecay
+from identify.judging.floor_not_reached import agree
+from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
+from mocks.imperfections import IMPERFECTIONS
+
+SUSPECTS = (
+    "freeplay",
+    "cubic_stiffness",
+    "time_varying_stiffness",
+    "settling_stiffness",
+    "end_stop",
+    "second_mass",
+)
+
+
+def found(hidden: str, strength: float, seed: int, **more: Any) -> Diagnosis:
+    sample = draw(hidden, strength, seed, **more)
+    decay = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration), gain_uncertainty=2e-4)
+    return diagnose(decay, library=tuple(find_effect(name) for name in SUSPECTS))
+
+
+@pytest.mark.parametrize(("hidden", "seed"), [("freeplay", 60611), ("cubic_stiffness", 60612)])
+def test_under_every_imperfection_at_once_a_force_is_named_and_what_it_leaves_is_said(
+    hidden: str, seed: int
+) -> None:
+    """1/f noise, hum, drift, a bent sensor and twelve bits leave 1.7 times the power of the rest: none of it is a law's."""
+    diagnosed = found(hidden, 0.03, seed, imperfections=IMPERFECTIONS, bits=12)
+    assert diagnosed.baseline.floor_is_sure
+    assert not diagnosed.baseline.adequate(diagnosed.final)
+    assert diagnosed.named == (hidden,)
+    assert (
+        "times the noise, but neither a random drift nor a smooth law explains more of it"
+        in diagnosed.explanation
+    )
+
+
+@pytest.mark.parametrize(
+    ("hidden", "strength", "seed"), [("adhesion", 0.003, 771007), ("wandering_stiffness", 0.01, 771021)]
+)
+def test_what_leaves_a_walk_above_a_known_floor_gets_no_name(hidden: str, strength: float, seed: int) -> None:
+    """Free play takes most of what adhesion does, and an end stop of what a walk does; a walk explains the rest."""
+    diagnosed = found(hidden, strength, seed)
+    assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
+
+
+@pytest.mark.parametrize(
+    ("free_run", "agrees"),
+    [(1.0, True), (0.75, True), (1.3, True), (1.8, False), (0.5, False), (-1.0, False)],
+)
+def test_curves_and_free_run_must_agree_on_a_strength(free_run: float, agrees: bool) -> None:
+    effect = SimpleNamespace(term=SimpleNamespace(strength="drag.c2"), strength=1.0)
+    whole = SimpleNamespace(values={"drag.c2": SimpleNamespace(value=free_run)})
+    assert agree(SimpleNamespace(effects=(effect,)), whole) is agrees  # type: ignore[arg-type]
+
+
+def test_a_floor_known_to_no_better_than_itself_tells_nothing_of_a_large_residual() -> None:
+    """A swing read eight times a cycle: nothing above the motion tells the noise, and what is left may be a force."""
+    random, time = np.random.default_rng(5), np.arange(160) / 8.0
+    noise = 0.03 * np.convolve(random.standard_normal(len(time)), [0.5, 0.7, 0.5], "same")
+    u = np.exp(-0.05 * time) * np.cos(2.0 * np.pi * time) + noise
+    diagnosed = diagnose(FreeDecay(8.0, displacement=u), library=(find_effect("cubic_stiffness"),))
+    assert not diagnosed.baseline.floor_is_sure
+    assert diagnosed.verdict == "not_enough_data"
+    assert "any model would pass" in diagnosed.explanation
+    assert "at rest" in diagnosed.next_experiment
