@@ -76,8 +76,9 @@ def command(
         with _watched(len(sources)) as watch:
             document = campaign(sources, settings, kept, processes, watch, known, diagnose=diagnose)
     except KeyboardInterrupt:
-        progress("finished sessions are kept, and the same command continues with the rest")
-        raise
+        raise KeyboardInterrupt(
+            "interrupted; finished sessions are kept, and the same command continues with the rest"
+        ) from None
     folders_of = {source.folder.name: source.folder for source in sources}
     step = _next(document, folders_of, given)
     answer(document.plain(), campaign_text.told(document), *step)
