@@ -1,4 +1,4 @@
-"""Workers: processes that compute for a page that stays awake, or for a campaign. Cancelling a task ends its process."""
+"""Workers: processes that compute for a page that stays awake. Cancelling a task ends its process."""
 
 import asyncio
 import contextlib
