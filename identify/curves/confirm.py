@@ -7,13 +7,15 @@ a loss that may move with time as well as with the amplitude names nothing.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_laws import CurveLaws
+from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut, hold_out, parts_of
-from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.isolated_mode import Isolated, isolated
 from identify.curves.likelihood import CurveFit, CurveLikelihood, Products
 from identify.effects.effect import Effect, Scales
 from identify.errors import NotIdentifiable
@@ -25,31 +27,49 @@ from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE
 _CHANNELS = {"frequency": "phase", "loss": "envelope"}
 
 
-def confirm_releases(
-    decays: Sequence[PreparedDecay],
-    model: Model,
-    known: dict[str, float],
-    terms: tuple[Term, ...],
-    scales: Scales,
-) -> Confirmation | None:
-    """Find the laws that the curves of some releases support beyond a model; None where they are too short.
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of some releases, and the laws that they support beyond a model.
 
     `known` has the model's parameters by unknown's name, `terms` are the candidates.
     """
-    modes = [_mode_of(decay) for decay in decays]
-    places = tuple(i for i, mode in enumerate(modes) if mode is not None)
-    found = [(decay, mode) for decay, mode in zip(decays, modes, strict=True) if mode is not None]
-    if not found:
-        return None
-    laws = CurveLaws.of(
-        tuple(decay for decay, _ in found), tuple(mode for _, mode in found), model, known, terms, scales
-    )
-    likelihood = CurveLikelihood(laws)
-    return _confirmed(likelihood, places) if len(parts_of(likelihood)) > 1 else None
+
+    decays: tuple[PreparedDecay, ...]
+    model: Model
+    known: dict[str, float]
+    terms: tuple[Term, ...]
+    scales: Scales
+
+    @cached_property
+    def releases(self) -> tuple[Isolated, ...]:
+        """The releases that are long enough for a curve; none where one is driven by a recorded force."""
+        try:
+            return isolated(self.decays)
+        except NotIdentifiable:
+            return ()
+
+    @property
+    def driven(self) -> DecayCurve | None:
+        """The first curve that does not die away; None where all do."""
+        return next((one.curve for one in self.releases if one.curve.driven), None)
+
+    @property
+    def beats(self) -> bool:
+        """Whether the amplitude of some release beats."""
+        return any(one.curve.beats for one in self.releases)
+
+    @cached_property
+    def confirmation(self) -> Confirmation | None:
+        """The laws that the curves support; None where they are too short."""
+        if not self.releases:
+            return None
+        laws = CurveLaws.of(self.releases, self.model, self.known, self.terms, self.scales)
+        likelihood = CurveLikelihood(laws)
+        return _confirmed(likelihood) if len(parts_of(likelihood)) > 1 else None
 
 
-def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirmation:
-    """Find the laws that some curves support; `places` are those of their releases among all that were given."""
+def _confirmed(likelihood: CurveLikelihood) -> Confirmation:
+    """Find the laws that some curves support."""
     laws = likelihood.laws
     taken = [likelihood.usual()]
     usual = held = hold_out(likelihood, taken[0])
@@ -79,7 +99,6 @@ def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirma
             effects.append(_effect(laws, column, held, after, evidence))
             held, beside = after, taken[0]
     return Confirmation(
-        laws.curves,
         tuple(effects),
         usual,
         held,
@@ -90,15 +109,8 @@ def _confirmed(likelihood: CurveLikelihood, places: tuple[int, ...]) -> Confirma
             str(law.term.strength): max(float(strength), law.term.effect.strength.low)
             for law, strength in zip(laws.laws[: laws.base], held.strengths, strict=False)
         },
-        places,
+        tuple(one.place for one in laws.releases),
     )
-
-
-def _mode_of(decay: PreparedDecay) -> IsolatedMode | None:
-    try:
-        return IsolatedMode.of(decay.window)
-    except NotIdentifiable:
-        return None
 
 
 @dataclass(frozen=True, eq=False)

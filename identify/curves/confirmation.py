@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut
 from identify.evidence import Evidence
 from identify.model.model import Term
@@ -57,7 +56,6 @@ class Confirmation:
     among those that were given, of those that have a curve.
     """
 
-    curves: tuple[DecayCurve, ...]
     effects: tuple[ConfirmedEffect, ...]
     usual: HeldOut
     found: HeldOut
@@ -75,16 +73,6 @@ class Confirmation:
     def has_law(self, name: str) -> bool:
         """Check whether the curves can show an effect at all."""
         return name in self.laws
-
-    @property
-    def beats(self) -> bool:
-        """Whether the amplitude of some release beats."""
-        return any(curve.beats for curve in self.curves)
-
-    @property
-    def driven(self) -> bool:
-        """Whether some release does not die away."""
-        return any(curve.driven for curve in self.curves)
 
     @property
     def mentioned(self) -> set[str]:

@@ -15,12 +15,11 @@ import numpy as np
 from identify.arrays import Array
 from identify.curves.averaged_law import AveragedLaw, amplitude_grid, inner_of, law_of, laws_of, values_of
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.isolated_mode import IsolatedMode, simulated_curve
+from identify.curves.isolated_mode import Isolated, simulated_curve
 from identify.effects.effect import Scales
 from identify.effects.force_effect import LinearPart
 from identify.fitting.own_linear import shares_of
 from identify.model.model import Model, Term
-from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import BENDS_OVER
 
 _FOLLOWS = 5.0
@@ -35,14 +34,12 @@ Signals = tuple[Array, Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class CurveLaws:
-    """Curves (one a release) and laws: the first `base` laws are those of the model, the others may be missing from it.
+    """Releases with their curves, and laws: the first `base` laws are those of the model, the others may be missing from it.
 
     `known` has the model's parameters by unknown's name; `frequency` is the median of all curves, rad/s.
     """
 
-    decays: tuple[PreparedDecay, ...]
-    modes: tuple[IsolatedMode, ...]
-    curves: tuple[DecayCurve, ...]
+    releases: tuple[Isolated, ...]
     laws: tuple[AveragedLaw, ...]
     base: int
     known: dict[str, float]
@@ -52,30 +49,31 @@ class CurveLaws:
     @classmethod
     def of(
         cls,
-        decays: tuple[PreparedDecay, ...],
-        modes: tuple[IsolatedMode, ...],
+        releases: tuple[Isolated, ...],
         model: Model,
         known: dict[str, float],
         terms: tuple[Term, ...],
         scales: Scales,
     ) -> Self:
-        """Draw the curves of some releases, and average the forces of a model and of other terms over their cycles."""
-        curves = tuple(
-            mode.curve(np.asarray(decay.window.readings[mode.channel]))
-            for decay, mode in zip(decays, modes, strict=True)
-        )
+        """Average the forces of a model and of other terms over the cycles of some releases."""
+        curves = tuple(one.curve for one in releases)
         frequency = float(np.median(np.concatenate([curve.frequency for curve in curves])))
         duration = max(float(curve.time[-1]) for curve in curves)
         grid = amplitude_grid(curves)
         base = tuple(law_of(term, inner_of(term, known), frequency, grid, duration) for term in model.forces)
         laws = (*base, *laws_of(terms, frequency, scales, grid, duration))
-        if decays[0].window.varies - {"damping"}:  # each release is at another frequency
+        if releases[0].decay.window.varies - {"damping"}:  # each release is at another frequency
             own = [float(np.median(curve.frequency)) for curve in curves]
             laws = tuple(
                 replace(law, elsewhere=tuple(law_of(law.term, law.inner, w, grid, duration) for w in own))
                 for law in laws
             )
-        return cls(decays, modes, curves, laws, len(base), known, scales, frequency)
+        return cls(releases, laws, len(base), known, scales, frequency)
+
+    @property
+    def curves(self) -> tuple[DecayCurve, ...]:
+        """The measured curve of each release."""
+        return tuple(one.curve for one in self.releases)
 
     @cached_property
     def columns(self) -> tuple[Signals, ...]:
@@ -96,7 +94,7 @@ class CurveLaws:
     @cached_property
     def linear(self) -> tuple[tuple[int, float], ...]:
         """The linear spring and damper of the base, and by how much those of a release may differ (standard deviation)."""
-        spring, damper = shares_of(self.decays[0].window.varies)
+        spring, damper = shares_of(self.releases[0].decay.window.varies)
         varies = {
             LinearPart.STIFFNESS: spring * self.frequency**2,
             LinearPart.DAMPING: damper * self.typical_loss,
@@ -148,9 +146,10 @@ class CurveLaws:
         """
         laws = [self.laws[c] for c in columns]
         model, found = Model(tuple(law.term for law in laws)), []
-        for i, curve in enumerate(self.curves):
+        for i, release in enumerate(self.releases):
+            curve = release.curve
             values = self.known | values_of(laws, strengths[i])
-            run = simulated_curve(self.decays[i], self.modes[i], model, values, curve)
+            run = simulated_curve(release, model, values)
             excess = None if run is None else self._excess(run, columns, strengths[i], curve)
             size, phase, centre = self.measured[i]
             if excess is not None:

@@ -6,6 +6,7 @@ decay. All is linear in the reading, so that a predicted motion passes through t
 a measured motion they do to the prediction.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Self
 
@@ -184,20 +185,49 @@ def _smoothed(values: Array) -> Array:
     return np.convolve(padded, np.ones(3) / 3.0, "valid")
 
 
+@dataclass(frozen=True, eq=False)
+class Isolated:
+    """One release with its windows and its measured curve; `place` among the releases that were given."""
+
+    place: int
+    decay: PreparedDecay
+    mode: IsolatedMode
+    curve: DecayCurve
+
+
+def isolated(decays: Iterable[PreparedDecay]) -> tuple[Isolated, ...]:
+    """Compute the curves of the releases with enough cycles; NotIdentifiable where none has, or one is driven."""
+    found = []
+    reason: NotIdentifiable | None = None
+    for place, decay in enumerate(decays):
+        if decay.window.force is not None:
+            raise NotIdentifiable("A driven motion has no curve of its decay.")
+        try:
+            mode = IsolatedMode.of(decay.window)
+        except NotIdentifiable as refusal:
+            reason = refusal
+            continue
+        found.append(
+            Isolated(place, decay, mode, mode.curve(np.asarray(decay.window.readings[mode.channel])))
+        )
+    if reason is not None and not found:
+        raise reason
+    return tuple(found)
+
+
 _MENDED = 8
 _CLOSE = 1e-4
 """Times that the start is mended, at most, and the share of the amplitude to which it then agrees."""
 
 
-def simulated_curve(
-    prepared: PreparedDecay, mode: IsolatedMode, model: Model, values: dict[str, float], measured: DecayCurve
-) -> DecayCurve | None:
+def simulated_curve(release: Isolated, model: Model, values: dict[str, float]) -> DecayCurve | None:
     """Simulate the curve of a model from the start of the measured one; None where the motion diverges or stops.
 
     `values` are the parameters of its effects by unknown's name, as if the release were the only one. The run begins
     with the measured motion under the first window, and again with its amplitude and phase corrected at the first point of
     the curve until they agree.
     """
+    prepared, mode, measured = release.decay, release.mode, release.curve
     at = int(mode.first[0])
     window = prepared.window.part(slice(at, None)).with_(pre_release=None)
     problem = Problem(model, (window,), prepared.frequency)

@@ -8,9 +8,8 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.curves.decay_curve import AmplitudeCurve, DecayCurve
-from identify.curves.isolated_mode import IsolatedMode, simulated_curve
+from identify.curves.isolated_mode import Isolated, isolated, simulated_curve
 from identify.effects.force_effect import LinearPart
-from identify.errors import NotIdentifiable
 from identify.fitting.fit import Fit
 from identify.fitting.segments import prepared_of
 from identify.free_decay import FreeDecay
@@ -61,36 +60,6 @@ class DecayCurves:
     laws: tuple[LaidOver, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Isolated:
-    """One release with its windows and its measured curve; `place` among the releases that were given."""
-
-    place: int
-    decay: PreparedDecay
-    mode: IsolatedMode
-    curve: DecayCurve
-
-
-def isolated(decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay]) -> tuple[Isolated, ...]:
-    """Compute the curves of the releases with enough cycles; NotIdentifiable where none has, or one is driven."""
-    found = []
-    reason: NotIdentifiable | None = None
-    for place, decay in enumerate(prepared_of(decays)):
-        if decay.window.force is not None:
-            raise NotIdentifiable("A driven motion has no curve of its decay.")
-        try:
-            mode = IsolatedMode.of(decay.window)
-        except NotIdentifiable as refusal:
-            reason = refusal
-            continue
-        found.append(
-            Isolated(place, decay, mode, mode.curve(np.asarray(decay.window.readings[mode.channel])))
-        )
-    if reason is not None and not found:
-        raise reason
-    return tuple(found)
-
-
 def decay_curves(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay], laws: Sequence[Law] = ()
 ) -> DecayCurves:
@@ -100,7 +69,7 @@ def decay_curves(
     releases its linear spring and damper are set to each release, whose clamping and air are its own; the rest is
     shared. Releases that are too short are left out. Raises NotIdentifiable where all are, or where one is driven.
     """
-    found = isolated(decays)
+    found = isolated(prepared_of(decays))
     several = len(found) > 1
     return DecayCurves(
         found[0].decay.window.unit,
@@ -112,10 +81,10 @@ def decay_curves(
 def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[AmplitudeCurve, ...]:
     curves = []
     for one in found:
-        run = simulated_curve(one.decay, one.mode, law.model, law.values, one.curve)
+        run = simulated_curve(one, law.model, law.values)
         for _ in range(_ROUNDS if own_linear and run is not None else 0):
             own = _set_to(one.curve, run, law)
-            again = simulated_curve(one.decay, one.mode, law.model, own.values, one.curve)
+            again = simulated_curve(one, law.model, own.values)
             if again is None:
                 break
             law, run = own, again

@@ -136,10 +136,7 @@ class CurveLikelihood:
         self.laws = laws
         self.base = tuple(range(laws.base))
         self.own = laws.linear if len(laws.curves) > 1 else ()
-        self.rigs = tuple(
-            RigNoise.of(curve, mode, laws.frequency)
-            for curve, mode in zip(laws.curves, laws.modes, strict=True)
-        )
+        self.rigs = tuple(RigNoise.of(one.curve, one.mode, laws.frequency) for one in laws.releases)
         grid, shapes = nameless_shapes(laws.curves)
         self.nameless = shapes.shape[1]
         self.shapes = tuple(rig.nameless(grid, shapes) for rig in self.rigs)

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 
-from identify.curves.confirm import confirm_releases
+from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.curves.laid_over import Law
 from identify.diagnosis.explain import explain
@@ -320,21 +320,20 @@ def _searched(
     That baseline is not `first` where releases differ.
     """
     baseline = where_releases_differ(first)
-    predict = cache(lambda: predicted(baseline, whole, library))
-    fitted = _worth_a_fit(baseline, library, predict)
+    curves = _curves(baseline, whole, library)
+    fitted = _worth_a_fit(baseline, library, curves)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     ranked = rank(baseline, tried)
     again = on_second_thought(first, baseline, ranked)
     if again is not baseline:
         baseline, ranked = again, rank(again, singles(again, fitted))
+        curves = _curves(baseline, whole, library)
     progress("judging whether one effect explains it, or several together")
-    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
+    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, curves)
     return baseline, judgement
 
 
-def _worth_a_fit(
-    baseline: Baseline, library: tuple[Effect, ...], predict: Callable[[], Confirmation | None]
-) -> tuple[Effect, ...]:
+def _worth_a_fit(baseline: Baseline, library: tuple[Effect, ...], curves: Curves) -> tuple[Effect, ...]:
     """List the effects to simulate and fit: all, or, on long records with a guessed floor, those that the curves leave open.
 
     There every simulation is slow, and the floor is not reached.
@@ -343,25 +342,20 @@ def _worth_a_fit(
     """
     if baseline.floor_is_sure or not any(window.segment for window in baseline.fit.windows):
         return library
-    found = predict()
+    found = curves.confirmation
     if found is None:
         return library
     unseen = not found.effects
     return tuple(e for e in library if e.name in found.mentioned or (unseen and not found.has_law(e.name)))
 
 
-def predicted(
-    baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]
-) -> Confirmation | None:
-    """Find what the curves of whole releases confirm beyond a fitted model; None where they cannot tell."""
-    if any(decay.window.force is not None for decay in whole):
-        return None
+def _curves(baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]) -> Curves:
+    """Ask the curves of whole releases for what they confirm beyond a fitted model."""
     forces = Model(baseline.fit.model.forces)
     terms = candidate_terms(baseline.fit.model, library, whole[0].window)
     known = {name: estimate.value for name, estimate in baseline.fit.parameters.items()}
-    return confirm_releases(
-        whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {})
-    )
+    largest = max(whole, key=lambda decay: decay.amplitude)
+    return Curves(whole, forces, known, terms, scales_of(largest, {}))
 
 
 def refine(

@@ -57,8 +57,8 @@ def explain(
     if verdict == "not_enough_data":
         return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
-    if verdict == "driven" and confirmation is not None:
-        return explain_driven(confirmation, baseline.decays[0].window.unit)
+    if judgement.driven is not None:
+        return explain_driven(judgement.driven, baseline.decays[0].window.unit)
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if verdict == "unknown_effect" or top is None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.curves.decay_curve import DecayCurve
 from identify.fitting.misfit_errors import is_clear
 from identify.formatting import among, odds_words, plain_name, quantities, share_words, three_figures
 from identify.judging.suspect import Suspect
@@ -64,9 +65,8 @@ def _not_sure(leading: tuple[Suspect, ...], before: float) -> list[str]:
     return sentences
 
 
-def explain_driven(found: Confirmation, unit: str) -> str:
+def explain_driven(curve: DecayCurve, unit: str) -> str:
     """Explain that the motion does not die away, with the amplitude and the frequency at which it goes on."""
-    curve = next(curve for curve in found.curves if curve.driven)
     frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
     late = curve.late
     if curve.grows:

@@ -73,8 +73,9 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
     rate = 2.0 * pi * p[0]
     keep = float(np.exp(-rate * step))
     ramp = (1.0 - keep) / (rate * step) if rate * step > 1e-9 else 1.0
-    jumps = np.diff(reading, prepend=reading[0]) * ramp
+    jumps = np.empty(len(reading))
     jumps[0] = reading[0]
+    jumps[1:] = ramp * (reading[1:] - reading[:-1])
     passed = recursion(jumps, keep)
     return np.asarray(passed + p[1] * np.exp(-rate * (time - time[0])))
 

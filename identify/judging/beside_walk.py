@@ -55,16 +55,20 @@ def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
     """
     residual, jacobian = found.linearised
     misfit = jacobian.free(residual)
-    known, _ = explained_by(walk.follows.T @ walk.follows, walk.follows.T @ misfit)
+    follows = walk.follows
+    of_walk = follows.T @ follows
+    known, _ = explained_by(of_walk, follows.T @ misfit)
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
     each = []
     for law in _laws(found.problem, found.theta):
-        columns = np.column_stack([walk.follows, jacobian.free(law)])
-        products, along = columns.T @ columns, columns.T @ misfit
+        free = jacobian.free(law)
+        both = follows.T @ free
+        products = np.block([[of_walk, both], [both.T, free.T @ free]])
+        along = np.concatenate([follows.T @ misfit, free.T @ misfit])
         for size, prior in zip(SIZES[1:], rarer, strict=True):
             scale = np.ones(len(along))
-            scale[walk.follows.shape[1] :] = size / np.arange(1, _ORDERS + 1)
+            scale[follows.shape[1] :] = size / np.arange(1, _ORDERS + 1)
             gain, _ = explained_by(products * np.outer(scale, scale), along * scale)
             each.append(gain - known + prior)
     return float(np.logaddexp.reduce(each) - np.log(len(each) / len(rarer)))

@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
@@ -41,7 +42,7 @@ _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
 
 
-def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
+def at_a_guess(baseline: Baseline, alone: Judgement, curves: Curves) -> Judgement:
     """Judge one effect that reaches a guessed floor.
 
     A line of a sensor must be worth a name; a smaller one joins the model that is judged, with a remark. The strength
@@ -60,11 +61,11 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     best = next(clear, None) if of_one_kind else None
     if best is not None:
         rest = tuple(entry for entry in alone.ranked if entry is not best)
-        named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=found)
+        named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=curves.confirmation)
         kept = named if predicted else weighed(baseline, named)
         if kept is not None:
             return kept
-    return by_curves(baseline, alone.ranked, found, simplest_first[0].fit)
+    return by_curves(baseline, alone.ranked, curves, simplest_first[0].fit)
 
 
 def unclaimed(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
@@ -87,25 +88,24 @@ def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate
     return (first, *reach)
 
 
-def by_curves(
-    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None, best: Fit
-) -> Judgement:
+def by_curves(baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves, best: Fit) -> Judgement:
     """Judge a misfit above the floor: name what the curves confirm, however much of it that explains.
 
-    `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name.
+    `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name, and
+    the curves are not asked for one.
     """
-    if found is not None and found.driven:
-        return Judgement("driven", ranked, baseline.fit, confirmation=found)
-    confirmed = found is not None and bool(found.effects) and not baseline.floor_is_sure
-    whole = fit_confirmed(baseline, found) if confirmed and found is not None else None
+    if curves.driven is not None:
+        return Judgement("driven", ranked, baseline.fit, driven=curves.driven)
+    found = None if baseline.floor_is_sure else curves.confirmation
+    whole = fit_confirmed(baseline, found) if found is not None and found.effects else None
     if found is not None and whole is not None and agree(found, whole):
         return _of_confirmed(baseline, ranked, found, whole)
-    alone = _by_free_run(baseline, ranked, found)
+    alone = _by_free_run(baseline, ranked, found, beats=curves.beats)
     if alone is not None:
         return alone
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
-    if found is None or baseline.floor_is_sure:
+    if found is None:
         shape = free_form(baseline, best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
     shape = free_form(baseline, baseline.fit)
@@ -114,8 +114,8 @@ def by_curves(
 
 def agree(found: Confirmation, whole: Fit) -> bool:
     """Check that curves and free run agree on the strength of each confirmed effect, but for a small factor."""
-    ratios = (whole.values[str(e.term.strength)].value / e.strength for e in found.effects)
-    return all(1.0 / AGREES < ratio < AGREES for ratio in ratios)
+    strengths = [(whole.values[str(e.term.strength)].value, e.strength) for e in found.effects]
+    return all(max(one**2, other**2) < AGREES * one * other for one, other in strengths)
 
 
 def _of_confirmed(
@@ -133,11 +133,11 @@ def _of_confirmed(
 
 
 def _by_free_run(
-    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None
+    baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation | None, *, beats: bool
 ) -> Judgement | None:
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
-    Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
+    Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or the best, no law of
     time, leaves next to nothing of what the model left, and its strength is clear of none. A line follows any motion for a
     while, and no implausible effect may leave less.
     """
@@ -146,8 +146,7 @@ def _by_free_run(
         return None
     final, term = best.fit, best.term
     left = final.chi_square / baseline.fit.chi_square
-    beats = found is not None and found.beats and not found.has_law(best.name)
-    second = beats and left < _LINE_LEAVES
+    second = beats and best.term.force.proportional and left < _LINE_LEAVES
     all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
     if not second and not (all_of_it and is_clear(final, term)):
         return None

@@ -3,10 +3,9 @@
 This module judges where the floor is sure; `floor_not_reached` where it is a guess. `ranking` weighs each candidate.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from identify.curves.confirmation import Confirmation
+from identify.curves.confirm import Curves
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
@@ -27,23 +26,23 @@ def judge(
     ranked: tuple[Candidate, ...],
     faults: tuple[CorrectedFault, ...],
     library: tuple[Effect, ...],
-    predict: Callable[[], Confirmation | None],
+    curves: Curves,
 ) -> Judgement:
     """Decide the verdict: nothing is missing, one effect reaches the floor, several do together, or no name does.
 
-    Where the floor could only be guessed, chi-square names nothing: `predict` is asked what the curves of the decay
-    confirm. There the fit also allows for a sensor's line beside a force.
+    Where the floor could only be guessed, chi-square names nothing: what the `curves` of the decay confirm decides. There
+    the fit also allows for a sensor's line beside a force.
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
         line, with_line, others = beside
-        judged = _judged(with_line, others, library, predict)
+        judged = _judged(with_line, others, library, curves)
         alone = ranked[0].fit
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             first, *rest = judged.ranked
             return replace(judged, ranked=(first, line, *rest), together=(*judged.together, line.name))
-    judged = _judged(baseline, ranked, library, predict)
+    judged = _judged(baseline, ranked, library, curves)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault")
@@ -73,7 +72,7 @@ def _judged(
     baseline: Baseline,
     ranked: tuple[Candidate, ...],
     library: tuple[Effect, ...],
-    predict: Callable[[], Confirmation | None],
+    curves: Curves,
 ) -> Judgement:
     """Decide the verdict for a fitted model, leaving aside a sensor's line and the faults that every fit corrects.
 
@@ -89,12 +88,12 @@ def _judged(
     if best is None and baseline.adequate(baseline.fit):
         return Judgement("nothing_missing", ranked, baseline.fit)
     if best is None:
-        return by_curves(baseline, ranked, predict(), baseline.fit)
+        return by_curves(baseline, ranked, curves, baseline.fit)
     reached = baseline.adequate(best.fit)
     named = Judgement(verdict_of(best), ranked, best.fit) if best.plausible else None
     if not baseline.floor_is_sure:
         if reached and named is not None:
-            return at_a_guess(baseline, named, predict())
+            return at_a_guess(baseline, named, curves)
     else:
         several = None if reached else several_effects(baseline, ranked, library)
         named = named if several is None else _of_several(baseline, ranked, several)
@@ -102,7 +101,7 @@ def _judged(
         if kept is not None:
             return kept
     if not reached:
-        return by_curves(baseline, ranked, predict(), best.fit)
+        return by_curves(baseline, ranked, curves, best.fit)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unknown_effect", ranked, baseline.fit if best.plausible else best.fit, shape=shape)
 

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.curves.decay_curve import DecayCurve
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
@@ -42,9 +43,9 @@ class Judgement:
 
     `ranked` are the candidates, what the verdict names first; `together` the other effects where it takes several; `final`
     the fit with what was found; `shape` the free-form force, when the missing force has no name. `confirmation` is what
-    curves predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `walk` is a random walk of spring and damper that remains beside the
-    name or, without one, explains all of the misfit; else None.
+    curves predict, None where they were not asked; `driven` the curve of a motion that does not die away. `too_small` is
+    what was removed, in % of the motion, by what is sure and too small to be named; 0 where that is not so. `walk` is a
+    random walk of spring and damper that remains beside the name or, without one, explains all of the misfit; else None.
     """
 
     verdict: Verdict
@@ -53,6 +54,7 @@ class Judgement:
     together: tuple[str, ...] = ()
     shape: NonparametricForce | None = None
     confirmation: Confirmation | None = None
+    driven: DecayCurve | None = None
     too_small: float = 0.0
     walk: RandomWalk | None = None
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.stats import multivariate_normal
 
-from identify.curves.confirm import confirm_releases
+from identify.curves.confirm import Curves
 from identify.curves.curve_laws import CurveLaws
-from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.isolated_mode import isolated
 from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import LIBRARY, find_effect
@@ -95,8 +95,7 @@ def displacement_only(name: str | None, strength: float, seed: int, **setting: o
 def likelihood() -> CurveLikelihood:
     decay = displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01)
     terms = candidate_terms(base_model(), tuple(find_effect(name) for name in NAMES[:4]), decay.window)
-    mode = IsolatedMode.of(decay.window)
-    laws = CurveLaws.of((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {}))
+    laws = CurveLaws.of(isolated([decay]), base_model(), {}, terms, scales_of(decay, {}))
     return CurveLikelihood(laws)
 
 
@@ -179,6 +178,6 @@ def test_a_release_that_sways_does_not_hide_what_three_share():
         swayed = np.interp(time + sway, time, sample.displacement)
         decays.append(prepare(FreeDecay(sample.rate, displacement=swayed)))
     terms = candidate_terms(base_model(), LIBRARY, decays[0].window)
-    found = confirm_releases(decays, base_model(), {}, terms, scales_of(decays[0], {}))
+    found = Curves(tuple(decays), base_model(), {}, terms, scales_of(decays[0], {})).confirmation
     assert found is not None
     assert set(found.names) <= {"cubic_stiffness"}

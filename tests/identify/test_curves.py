@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from identify.curves.averaged_law import law_of
-from identify.curves.confirm import confirm_releases
+from identify.curves.confirm import Curves
 from identify.curves.curve_laws import CurveLaws
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import cut_by_amplitude, hold_out
-from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.isolated_mode import IsolatedMode, isolated
 from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.force_effect import ForceEffect
@@ -35,7 +35,7 @@ def displacement_only(name, strength, seed, **setting):
 
 def confirmed(decays):
     terms = candidate_terms(base_model(), LIBRARY, decays[0].window)
-    return confirm_releases(decays, base_model(), {}, terms, scales_of(decays[0], {}))
+    return Curves(decays, base_model(), {}, terms, scales_of(decays[0], {})).confirmation
 
 
 def decaying(seconds=40.0, loss=0.08, noise=0.0, seed=1):
@@ -189,8 +189,7 @@ def test_strengths_keep_their_bounds():
     """Loss that falls with the amplitude (dry friction) asks for negative drag: it gets none, and friction instead."""
     decay = displacement_only(None, 0.0, 5, amplitude=0.02, mu_0=0.2, mu_1=0.02)
     terms = candidate_terms(base_model(), (find_effect("quadratic_damping"),), decay.window)
-    mode = IsolatedMode.of(decay.window)
-    laws = CurveLaws.of((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {}))
+    laws = CurveLaws.of(isolated([decay]), base_model(), {}, terms, scales_of(decay, {}))
     likelihood = CurveLikelihood(laws)
     usual = likelihood.usual()
     drag = Added().and_law(3, float(laws.natural[3]))
@@ -208,8 +207,7 @@ def test_what_is_predicted_of_a_part_was_not_fitted_to_it():
         displacement_only(None, 0.0, 7 + i, amplitude=0.02, mu_0=mu_0, mu_1=0.1, stiffness=stiffness)
         for i, (mu_0, stiffness) in enumerate(((0.1, 614.0), (0.1, 614.0), (0.2, 617.0)))
     )
-    modes = tuple(IsolatedMode.of(one.window) for one in decays)
-    laws = CurveLaws.of(decays, modes, base_model(), {}, (), scales_of(decays[0], {}))
+    laws = CurveLaws.of(isolated(decays), base_model(), {}, (), scales_of(decays[0], {}))
     likelihood = CurveLikelihood(laws)
     third = hold_out(likelihood, likelihood.usual()).predicted[2]
     assert third.envelope > 3.0

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 from releases import drawn
 
+from identify.curves.confirm import Curves
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent
 from identify.judging.judgement import judge
 from identify.model.model import Term, base_model
@@ -24,12 +26,13 @@ def test_a_weak_fault_of_a_sensor_is_claimed_only_where_the_floor_is_sure():
     assert not guessed.floor_is_sure
     weak = CorrectedFault(Term(find_effect("channel_gain")), 14.0, 0, {})  # by chance once in 150
     strong = replace(weak, drop=40.0)
+    curves = Curves((), base_model(), {}, (), scales_of(prepared, {}))
     for baseline, fault, verdict in (
         (sure, weak, "sensor_fault"),
         (guessed, weak, "nothing_missing"),
         (guessed, strong, "sensor_fault"),
     ):
-        assert judge(baseline, (), (fault,), LIBRARY, lambda: None).verdict == verdict
+        assert judge(baseline, (), (fault,), LIBRARY, curves).verdict == verdict
 
 
 def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_where_more_is_asked():
