@@ -93,7 +93,7 @@ def decide(
     )  # of equal ones the library's first
     if nothing(tuple(nats.values())) > DOUBT:
         return Evidence(dict(nats), "nothing")
-    most = max(nats.values())
+    most = max(*nats.values(), unnamed)
     weight = {name: float(np.exp(nats[name] - most)) for name in order}
     total = sum(weight.values())
     above = np.cumsum([weight[name] for name in order])

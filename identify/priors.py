@@ -39,6 +39,9 @@ LEAKS = (0.1, 0.1, 1.0)
 DRIFTS = 1.0
 """Nats against a law of time beside the random walks that every hypothesis has: few rigs drift by a law."""
 
+WALK_IS_KNOWN = 2.5e-4
+"""Share of the evidence for a random walk beside a name that is error: between its knots it is taken for straight."""
+
 DOUBT = 0.02
 """Probability that may be left out: that nothing is there, that a law of time is behind it, that it is none of a class."""
 
@@ -87,7 +90,7 @@ FEWEST_CYCLES = 5.0
 HARDLY_KNOWN = 1.0
 """Standard error of a guessed floor from which on the residual may be all noise as well as hardly any."""
 
-STIFFNESS_VARIES = 0.01
+STIFFNESS_VARIES = 0.02
 """Standard deviation of a release's own spring, as a share of that of all releases: clamping, temperature."""
 
 DAMPING_VARIES = 1.0

@@ -7,7 +7,7 @@ from functools import cached_property
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.curves.laid_over import Law
-from identify.diagnosis.explain import explain
+from identify.diagnosis.explain import caution, explain
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
@@ -23,7 +23,6 @@ from identify.fitting.segments import largest_first, prepared_of, segments_of, w
 from identify.fitting.whole_spring import as_the_whole_spring
 from identify.formatting import plain_name, quantities, three_figures
 from identify.free_decay import FreeDecay
-from identify.judging.beside_walk import walk_sentence
 from identify.judging.judgement import judge, large_enough, listed_suspects
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.ranking import rank
@@ -72,7 +71,7 @@ class Diagnosis(Summarised):
     None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit.
-    `hypotheses` are those still open, the likeliest first.
+    `caution` is what to keep in mind. `hypotheses` are those still open, the likeliest first.
     """
 
     baseline: Baseline
@@ -92,6 +91,7 @@ class Diagnosis(Summarised):
     worth: float = 0.0
     too_small: float = 0.0
     walk: RandomWalk | None = None
+    caution: str = ""
     hypotheses: tuple[Hypothesis, ...] = ()
 
     @cached_property
@@ -234,6 +234,8 @@ def diagnose(
     baseline, judgement = _searched(first, whole, library, progress)
     judgement = large_enough(baseline, judgement, worth)
     whole = whole if baseline is first else carried(whole, baseline)  # other noise, another floor
+    if judgement.walk is not None and judgement.verdict in ("missing_effect", "sensor_fault"):
+        baseline = replace(baseline, walks=True)
     settled = _settled(baseline, judgement)
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
@@ -244,6 +246,7 @@ def diagnose(
     findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
+    warned = caution(baseline, judgement, suspects[0] if named else None, settled)
     walk = None if named else judgement.walk
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk)
     suspects = with_rivals(suspects, named, hypotheses)
@@ -255,7 +258,7 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=judgement.shape,
-        explanation=_why(baseline, judgement, suspects, findings, settled, harmonics),
+        explanation=_why(baseline, judgement, suspects, findings, settled, harmonics, warned),
         library=library,
         confirmation=judgement.confirmation,
         decays=whole,
@@ -265,6 +268,7 @@ def diagnose(
         worth=worth,
         too_small=judgement.too_small,
         walk=judgement.walk,
+        caution=warned,
         hypotheses=hypotheses,
     )
 
@@ -279,7 +283,8 @@ def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
     """Judge the fit with what was found against the noise floor that its own residual shows."""
     settled = baseline
     if judgement.final is not baseline.fit:
-        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
+        refitted = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
+        settled = replace(refitted, walks=baseline.walks)
     return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
 
 
@@ -297,15 +302,12 @@ def _why(
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
     harmonics: HarmonicResidual | None,
+    warned: str,
 ) -> str:
-    """Explain the verdict: the reason, what drifts, what stands at the harmonics, by how much releases differ."""
+    """Explain the verdict: the reason, what to keep in mind, what stands at the harmonics, by how much releases differ."""
     why = explain(baseline, judgement, suspects, findings, settled)
-    releases = 1 + max(prepared.window.release for prepared in baseline.decays)
-    walk = walk_sentence(
-        judgement.walk, named=judgement.verdict in ("missing_effect", "sensor_fault"), releases=releases
-    )
     return " ".join(
-        filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
+        filter(None, (why, warned, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )
 
 

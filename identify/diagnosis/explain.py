@@ -19,6 +19,7 @@ from identify.formatting import (
     share_words,
     three_figures,
 )
+from identify.judging.beside_walk import walk_sentence
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspect import Suspect
 from identify.judging.verdict import Judgement, why_not_enough
@@ -151,7 +152,7 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     return (
         f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
         f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement, settled)}"
-        f"{_small(baseline, top, settled)}{_hardly_any_of_it(baseline, top, settled)}"
+        f"{_hardly_any_of_it(baseline, top, settled)}"
     )
 
 
@@ -179,15 +180,18 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
     )
 
 
-def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Warn that a named force is small, and say how to make sure of it; "" where it is not small."""
+def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, settled: Baseline) -> str:
+    """Say what to keep in mind: that what is `named` explains little, that the rig drifts; "" for nothing."""
+    releases = 1 + max(prepared.window.release for prepared in baseline.decays)
     removed = removed_percent(baseline.fit, settled.fit)
-    if top.kind != "physics" or removed >= LARGE or max(d.window.release for d in baseline.decays) > 0:
-        return ""
-    return (
-        f" That is little, {three_figures(removed)} % of the motion: diagnose it together with another release before you "
-        "rely on the name."
-    )
+    small, force = "", named is not None and named.kind == "physics" and named.confirmed is None
+    if force and removed < LARGE and releases == 1:
+        small = (
+            f"It explains little, {three_figures(removed)} % of the motion: diagnose it together with another release "
+            "before you rely on the name."
+        )
+    drift = walk_sentence(judgement.walk, named=named is not None, releases=releases)
+    return " ".join(filter(None, (small, drift)))
 
 
 def _between(top: Suspect) -> str:

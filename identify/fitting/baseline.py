@@ -12,6 +12,7 @@ from identify.fitting.initial_values import initial_values, regress_model
 from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
+from identify.fitting.random_walk import with_walk_errors
 from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
@@ -115,11 +116,15 @@ _STALE_OFF = 3.5
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    """A model fitted to releases, and the noise floor to which its residual is compared."""
+    """A model fitted to releases, and the noise floor to which its residual is compared.
+
+    `walks` says that spring and damper walk at random beside what is named, so that errors have to allow for it.
+    """
 
     decays: tuple[PreparedDecay, ...]
     fit: Fit
     floors: tuple[Floor, ...]
+    walks: bool = False
 
     @property
     def spread(self) -> float:
@@ -152,7 +157,8 @@ class Baseline:
 
     def stated(self, found: Fit) -> Fit:
         """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit."""
-        return found if self.adequate(found) else with_misfit_errors(found)
+        stated = found if self.adequate(found) else with_misfit_errors(found)
+        return with_walk_errors(stated, found) if self.walks else stated
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square that includes the faults which are corrected but not named in the model."""

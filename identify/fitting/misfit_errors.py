@@ -82,7 +82,7 @@ def with_misfit_errors(found: Fit) -> Fit:
     cycles, free = cycle_sums(found, scales), np.flatnonzero(scales)
     scatter = scatter_of_scores(cycles, len(free), len(found.windows))
     if scatter is None:  # white noise as dense as the misfit is all that can be said
-        return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
+        return with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
     density, beyond = _density_elsewhere(cycles), scatter.sum(axis=0)
     for one in cycles:
         beyond[np.ix_(one.places, one.places)] -= density * one.products
@@ -93,10 +93,10 @@ def with_misfit_errors(found: Fit) -> Fit:
     raised = spread_of_releases(found.windows, cycles, scatter, std)
     whole = found.covariance * density
     whole[own] = covariance * np.outer(raised * scales[free], raised * scales[free])
-    return _with_covariance(found, whole)
+    return with_covariance(found, whole)
 
 
-def _with_covariance(found: Fit, covariance: Array) -> Fit:
+def with_covariance(found: Fit, covariance: Array) -> Fit:
     """Replace the covariance of a fit's unknowns; the squares of its standard errors grow by the difference."""
     more = np.diag(covariance) - np.diag(found.covariance)
     stds = [

@@ -40,7 +40,7 @@ class Problem:
     stretch of the misfit, which no window has. `steps` (unknowns,) are the steps of
     differentiation, 0 until they are known. A `coarse` problem is integrated in longer steps: what they are off by shows
     beside the noise, but not beside a misfit that is much larger. One that is `far` off besides compares every second
-    reading, or fewer, where they are many to a cycle.
+    reading, or fewer, where they are many to a cycle. `acting` are further forces per unit mass on the windows, (n,) each.
     """
 
     def __init__(
@@ -51,11 +51,13 @@ class Problem:
         *,
         coarse: bool = False,
         far: bool = False,
+        acting: tuple[Array, ...] = (),
     ) -> None:
         if far:
             windows = tuple(w.thinned(int(2.0 * np.pi / frequency * w.rate / _ENOUGH_FAR)) for w in windows)
         self.model = model
         self.windows = windows
+        self.acting = acting
         self.frequency = frequency
         self.longer = _FAR if far else _COARSE if coarse else 1.0
         self.layout = ParameterLayout(model, windows, frequency)
@@ -139,9 +141,9 @@ class Problem:
         force = self.windows[i].force
         if force is not None and self.windows[i].estimates_mass:
             force = theta[self.layout.force_gain] * force
-        if force is None or extra is None:
-            return extra if force is None else force
-        return np.asarray(force + extra)
+        acting = self.acting[i] if self.acting else None
+        parts = [one for one in (force, acting, extra) if one is not None]
+        return np.asarray(sum(parts)) if parts else None
 
     def responses(self, theta: Array) -> list[Response]:
         """Simulate all windows; those whose unknowns equal one of their last two motions are taken from memory."""

@@ -7,13 +7,17 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from identify.arrays import Array
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
+from identify.fitting.jacobian import linearise
+from identify.fitting.misfit_errors import with_covariance
 from identify.fitting.problem import Problem
+from identify.preprocessing.fit_window import FitWindow
 
 _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
 """Times of one window between which spring and damper change at a constant rate; else one a cycle."""
@@ -33,52 +37,177 @@ _PROBE = 1e-5
 _MOVED = 0.02
 """Root mean square change of the readings, in units of the noise, at which a response is taken."""
 
+_PICARD = 12
+"""How often the motion with a walk is simulated, the force of the walk taken along the last one."""
+
+_AS_PREDICTED = 1.0
+"""Difference of chi-square up to which a simulation with a walk leaves what was predicted."""
+
+_SINGULAR = 1e-12
+
 _JUMP = 0.5
 """Change of a reading, in units of the noise, from which on a reversal has crossed its sample."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where the misfit of a fit is linearised: its unknowns (unknowns,), misfit (readings,) and Jacobian, and the `walk`.
+
+    The walk that acts there has so many steps of the stiffness and of the damping, (2, steps), in units of one standard
+    deviation of a walk of variance 1 after one second.
+    """
+
+    problem: Problem
+    theta: Array
+    residual: Array
+    jacobian: BlockJacobian
+    walk: Array
+
+
+@dataclass(frozen=True, eq=False)
 class RandomWalk:
     """The random walk of the linear spring and damper that best explains the misfit of a fit.
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
-    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves, and `follows` what
-    its steps of one standard deviation change of the misfit, less what the fit's own unknowns follow, (readings, steps).
+    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves. `follows` is what
+    its steps of one standard deviation change of the misfit, less what the fit's own unknowns follow, (readings, steps), and
+    `misfit` the misfit without any walk, (readings,), both linear about `place`. `settled` says that a simulation with the
+    walk leaves as much as these predict.
     """
 
     evidence: float
     stiffness: float
     damping: float
     reduced: float
-    follows: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False, compare=False)
+    follows: Array
+    misfit: Array
+    place: Place
+    settled: bool = True
 
 
-def walk_beside(found: Fit) -> RandomWalk:
-    """Estimate the random walk of spring and damper that explains the residual of a fit."""
-    problem, (residual, jacobian) = found.problem, found.linearised
-    columns = [_responses(problem, found.theta, kind) for kind in ("stiffness", "damping")]
-    is_spring = np.repeat([True, False], [one.shape[1] for one in columns])
-    free = jacobian.free(np.column_stack([residual, *columns]))
-    misfit, walk = free[:, 0], free[:, 1:]
-    square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
+def walk_beside(found: Fit, rounds: int = 0) -> RandomWalk:
+    """Estimate the random walk of spring and damper that explains the residual of a fit.
+
+    It is linear in the walk; in so many `rounds` at most the motion is simulated with the walk, and linearised again there
+    (Gauss-Newton), until the simulation leaves what was predicted.
+    """
+    knots = _Knots.of(found.problem)
+    none = np.zeros((2, knots.steps))
+    place = Place(found.problem, found.theta, *found.linearised, none)
+    square = _square(place)
+    best, steps = _likeliest(place, knots, square, found.degrees)
+    if not rounds or not best.follows.shape[1]:
+        return best
+    left = square
+    for _ in range(rounds):
+        moved = _moved(found, best, knots, steps)
+        cost = np.inf if moved is None else _square(moved) + float(np.sum(_in_units(steps, best) ** 2))
+        if moved is None or not cost < left:
+            return replace(best, settled=False)
+        as_predicted = abs(cost - best.reduced * max(found.degrees, 1)) < _AS_PREDICTED
+        left = cost
+        best, steps = _likeliest(moved, knots, square, found.degrees)
+        if as_predicted:
+            return best
+    return replace(best, settled=False)
+
+
+def _square(place: Place) -> float:
+    """Return the sum of squares of what the fit's own unknowns cannot follow of a misfit."""
+    free = place.jacobian.free(place.residual)
+    return float(free @ free)
+
+
+def _in_units(steps: Array, walk: RandomWalk) -> Array:
+    """Return steps (2, steps) in standard deviations of a walk, 0 where it has none."""
+    sizes = np.array([[walk.stiffness], [walk.damping]])
+    return np.where(sizes > 0.0, steps / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+
+
+def _likeliest(place: Place, knots: "_Knots", square: float, degrees: int) -> tuple[RandomWalk, Array]:
+    """Weigh walks of every strength about a place, and return the likeliest with its steps (2, steps).
+
+    `square` is the sum of squares that is left without any walk.
+    """
+    columns = [_responses(place, knots, kind) for kind in range(2)]
+    is_spring = np.repeat([True, False], knots.steps)
+    free = place.jacobian.free(np.column_stack([place.residual, *columns]))
+    walk = free[:, 1:]
+    misfit = free[:, 0] - walk @ place.walk.ravel()
+    along, products = walk.T @ misfit, walk.T @ walk
     likelihood, explained = np.zeros((2, len(_STRENGTHS), len(_STRENGTHS)))
     for row, stiffness in enumerate(_STRENGTHS):
         scale = np.where(is_spring, stiffness, _STRENGTHS[:, None])
         both = products * scale[:, :, None] * scale[:, None, :]
         likelihood[row], explained[row] = explained_by(both, along * scale)
+    unwalked = float(misfit @ misfit)
+    likelihood += 0.5 * (square - unwalked)
+    likelihood[0, 0], explained[0, 0] = 0.0, unwalked - square
     is_there = np.array(_STRENGTHS > 0.0, dtype=float)
     stated = likelihood - _EACH * (is_there[:, None] + is_there)
     i, j = np.unravel_index(np.argmax(stated), stated.shape)
     walks = likelihood.ravel()[1:]
     mean = np.logaddexp.reduce(walks) - np.log(len(walks))
-    return RandomWalk(
+    sizes = np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j])
+    follows = walk * sizes if i or j else walk[:, :0]
+    steps = np.zeros(len(sizes))
+    if i or j:
+        steps = -sizes * np.linalg.solve(np.eye(len(sizes)) + follows.T @ follows, follows.T @ misfit)
+    found = RandomWalk(
         float(np.logaddexp(0.0, mean) - np.log(2.0)),
         float(_STRENGTHS[i]),
         float(_STRENGTHS[j]),
-        (square - float(explained[i, j])) / max(found.degrees, 1),
-        walk * np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j]) if i or j else walk[:, :0],
+        (unwalked - float(explained[i, j])) / max(degrees, 1),
+        follows,
+        misfit,
+        place,
     )
+    return found, steps.reshape(2, -1)
+
+
+def _moved(found: Fit, walk: RandomWalk, knots: "_Knots", steps: Array) -> Place | None:
+    """Simulate a fit with a walk, its own unknowns following as predicted, and linearise there; None where that diverges."""
+    place = walk.place
+    columns = np.column_stack([_responses(place, knots, kind) for kind in range(2)])
+    ahead = place.residual + columns @ (steps - place.walk).ravel()
+    normal, gradient = place.jacobian.normal(), place.jacobian.gradient(ahead)
+    own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
+    change = np.linalg.lstsq(normal / np.outer(own, own), -gradient / own, rcond=_SINGULAR)[0] / own
+    problem = found.problem
+    theta = np.clip(place.theta + change, problem.low, problem.high)
+    acting: list[Array] = []
+    for i, window in enumerate(problem.windows):
+        softer, looser = (knots.path(i, window, own_steps) for own_steps in steps)
+        force = np.zeros(len(window))
+        for _ in range(_PICARD):
+            motion = problem.respond(theta, i, extra=-force)
+            force = problem.frequency**2 * softer * motion.displacement
+            force += problem.frequency * looser * motion.velocity
+        if not np.isfinite(force).all():
+            return None
+        acting.append(-force)
+    moved = Problem(found.model, found.windows, found.frequency, acting=tuple(acting))
+    moved.steps = problem.steps.copy()
+    residual, jacobian = linearise(moved, theta)
+    return Place(moved, theta, residual, jacobian, steps) if np.isfinite(residual).all() else None
+
+
+def with_walk_errors(stated: Fit, found: Fit) -> Fit:
+    """Widen the `stated` errors of a fit by what the random walk beside it does to the values of least squares.
+
+    A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian.
+    """
+    walk = walk_beside(found)
+    knots = _Knots.of(found.problem)
+    inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
+    scores = [
+        found.linearised[1].gradient(column) * inside
+        for kind, size in enumerate((walk.stiffness, walk.damping))
+        for column in size * _responses(walk.place, knots, kind).T
+    ]
+    moved = found.covariance @ np.column_stack(scores)
+    return with_covariance(stated, stated.covariance + moved @ moved.T)
 
 
 def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
@@ -92,27 +221,52 @@ def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
     return 0.5 * explained - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1), explained
 
 
-def _responses(problem: Problem, theta: Array, kind: str) -> Array:
-    """Return the change of the misfit by each step of one of the two walks, of one standard deviation, (readings, steps).
+@dataclass(frozen=True)
+class _Knots:
+    """Times between which spring and damper change at a constant rate, (knots,) s since the release, for each window.
 
-    A walk has variance 1 after one second; it goes on from window to window of a release, and begins anew with each release.
+    `values[i]` are a walk's values there by its steps, (knots, steps): it has variance 1 after one second, goes on from
+    window to window of a release, and begins anew with each release.
     """
-    blocks: list[Array] = []
-    times: list[tuple[int, float]] = []
+
+    times: tuple[Array, ...]
+    values: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, problem: Problem) -> "_Knots":
+        """Place one knot a cycle, between the fewest and the most."""
+        times = []
+        for window in problem.windows:
+            cycles = len(window) / window.rate * problem.frequency / (2.0 * np.pi)
+            most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
+            count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
+            times.append(np.linspace(window.clock[0], window.clock[-1], count))
+        each = [
+            (window.release, knot)
+            for window, own in zip(problem.windows, times, strict=True)
+            for knot in own.tolist()
+        ]
+        return cls(tuple(times), tuple(np.split(_steps(each), np.cumsum([len(own) for own in times[:-1]]))))
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of a walk."""
+        return int(self.values[0].shape[1])
+
+    def path(self, i: int, window: FitWindow, steps: Array) -> Array:
+        """Return a walk of some steps along window i, (n,)."""
+        return np.interp(window.clock, self.times[i], self.values[i] @ steps)
+
+
+def _responses(place: Place, knots: _Knots, kind: int) -> Array:
+    """Return the change of the misfit by each step of the walk of the stiffness (0) or damping (1), (readings, steps)."""
+    problem, blocks, omega = place.problem, [], place.problem.frequency
     for i, window in enumerate(problem.windows):
-        cycles = len(window) / window.rate * problem.frequency / (2.0 * np.pi)
-        most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
-        count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
-        knots = np.linspace(window.clock[0], window.clock[-1], count)
-        motion = problem.respond(theta, i, problem.substeps(theta, i, tangent=True))
-        omega = problem.frequency
-        force = omega**2 * motion.displacement if kind == "stiffness" else omega * motion.velocity
-        ramps = [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
-        blocks.append(np.column_stack(changes_by(problem, theta, i, ramps)))
-        times += [(window.release, knot) for knot in knots.tolist()]
-    blocks.append(np.zeros((len(problem.expected), 0)))
-    parts = np.split(_steps(times), np.cumsum([block.shape[1] for block in blocks[:-1]]))
-    return np.concatenate([block @ part for block, part in zip(blocks, parts, strict=True)])
+        motion = problem.respond(place.theta, i, problem.substeps(place.theta, i, tangent=True))
+        force = omega * motion.velocity if kind else omega**2 * motion.displacement
+        ramps = [np.interp(window.clock, knots.times[i], one) * force for one in np.eye(len(knots.times[i]))]
+        blocks.append(np.column_stack(changes_by(problem, place.theta, i, ramps)) @ knots.values[i])
+    return np.concatenate([*blocks, np.zeros((len(problem.expected), knots.steps))])
 
 
 def _steps(times: list[tuple[int, float]]) -> Array:

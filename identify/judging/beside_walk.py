@@ -26,14 +26,16 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
-from identify.judging.linear_gain import LINEAR_UP_TO
-from identify.judging.ranking import dispersion
-from identify.judging.suspects import residual_lines
-from identify.judging.verdict import Judgement
-from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES
+from identify.judging.ranking import at_rest, dispersion
+from identify.judging.suspects import Candidate, residual_lines
+from identify.judging.verdict import Judgement, verdict_of
+from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
+
+_LEADERS, _ROUNDS = 3, 10
+"""Effects whose motion is simulated with a walk of its own, and how often at most."""
 
 _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
     lambda u, v, t: (u, np.ones_like(u)),
@@ -48,21 +50,19 @@ _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
 """The coordinate of a law and the factor of its force, from displacement, velocity and time within -1 and 1."""
 
 
-def smooth_law_beside(found: Fit, walk: RandomWalk) -> float:
+def smooth_law_beside(walk: RandomWalk) -> float:
     """Weigh a smooth law beside a fit and a walk of its spring and damper, against the walk alone (nats).
 
     All coordinates are equally probable; a law's size is not known, and a large one is rarer.
     """
-    residual, jacobian = found.linearised
-    misfit = jacobian.free(residual)
-    follows = walk.follows
+    place, misfit, follows = walk.place, walk.misfit, walk.follows
     of_walk = follows.T @ follows
     known, _ = explained_by(of_walk, follows.T @ misfit)
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
     each = []
-    for law in _laws(found.problem, found.theta):
-        free = jacobian.free(law)
+    for law in _laws(place.problem, place.theta):
+        free = place.jacobian.free(law)
         both = follows.T @ free
         products = np.block([[of_walk, both], [both.T, free.T @ free]])
         along = np.concatenate([follows.T @ misfit, free.T @ misfit])
@@ -106,10 +106,10 @@ class WithoutName:
     law: float
 
     @classmethod
-    def beside(cls, found: Fit) -> "WithoutName":
-        """Weigh both beside a fit."""
-        walk = walk_beside(found)
-        return cls(walk, smooth_law_beside(found, walk))
+    def beside(cls, found: Fit, rounds: int = 0) -> "WithoutName":
+        """Weigh both beside a fit, the motion simulated with the walk in so many `rounds`."""
+        walk = walk_beside(found, rounds)
+        return cls(walk, smooth_law_beside(walk))
 
 
 def weigh(
@@ -162,13 +162,46 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     return replace(judged, walk=last.walk) if baseline.adequate(final) else None
 
 
+def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
+    """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
+
+    None where no effect does, where a walk alone explains as much, or where the leader leaves a law without a name.
+    """
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    gain = {
+        one: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
+        for one in ranked
+        if one.plausible and one.fit.chi_square < baseline.fit.chi_square
+    }
+    roughly = {one: nats + walk_beside(one.fit).evidence for one, nats in gain.items()}
+    leaders = sorted(roughly, key=lambda one: -roughly[one])[:_LEADERS]
+    walks = {one: walk_beside(one.fit, _ROUNDS) for one in leaders}
+    together = {one: gain[one] + walk.evidence for one, walk in walks.items()}
+    best = max(together, key=lambda one: together[one], default=None)
+    if best is None or not walks[best].settled or walks[best].reduced > baseline.highest:
+        return None
+    first = WithoutName.beside(baseline.fit, _ROUNDS)
+    widened = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
+    found = decide(
+        {one.name: (nats - first.walk.evidence) / widened for one, nats in together.items()},
+        {one.name: one.term.effect for one in ranked},
+        unnamed=first.law / widened,
+        beside=smooth_law_beside(walks[best]),
+        drift_weighed=True,
+    )
+    if found.verdict != "named":
+        return None
+    rest = tuple(replace(one, claimed=one.name in found.names) for one in ranked if one is not best)
+    named = (replace(best, claimed=True), *rest)
+    return Judgement(verdict_of(best), named, best.fit, walk=walks[best])
+
+
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
     """Give a judgement without a name, at a sure floor, the random walk that explains all of the misfit, if one does."""
-    near = baseline.floor_is_sure and baseline.fit.reduced < LINEAR_UP_TO
-    if judged.verdict != "unknown_effect" or not near:
+    if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
         return judged
-    alone = walk_beside(baseline.fit)
-    enough = alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest
+    alone = walk_beside(baseline.fit, _ROUNDS)
+    enough = alone.settled and alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest
     return replace(judged, walk=alone) if enough else judged
 
 

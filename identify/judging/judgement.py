@@ -11,7 +11,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent, removed_percent
-from identify.judging.beside_walk import weighed, with_walk
+from identify.judging.beside_walk import named_with_walk, weighed, with_walk
 from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rivals_of
@@ -85,7 +85,7 @@ def _judged(
     | none | the best claim is named, if it passes `weighed`; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
-    if best is None and baseline.adequate(baseline.fit):
+    if (best is None or not best.plausible) and baseline.adequate(baseline.fit):
         return Judgement("nothing_missing", ranked, baseline.fit)
     if best is None:
         return by_curves(baseline, ranked, curves, baseline.fit)
@@ -95,6 +95,9 @@ def _judged(
         if reached and named is not None:
             return at_a_guess(baseline, named, curves)
     else:
+        with_a_walk = None if reached else named_with_walk(baseline, ranked)
+        if with_a_walk is not None:
+            return with_a_walk
         several = None if reached else several_effects(baseline, ranked, library)
         named = named if several is None else _of_several(baseline, ranked, several)
         kept = None if named is None else weighed(baseline, named)

@@ -47,16 +47,14 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     ranked = (
         replace(c, evidence=n, claimed=sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True)
     )
-    above = widened > 1.0 or not baseline.floor_is_sure
-    return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=above)
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)))
 
 
-def line_of_sensor_first(ranked: tuple[Candidate, ...], *, by_gain: bool = False) -> tuple[Candidate, ...]:
+def line_of_sensor_first(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Put a sensor's line before a force where this record does not distinguish the two.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
-    leads where it has as good evidence; `by_gain`, where no known floor is reached, also where it leaves as little: how far
-    chance reaches is unsure for each alone.
+    leads where it has as good evidence or leaves as little: how far chance reaches is unsure for each alone.
     """
     if not ranked or not ranked[0].claimed or not ranked[0].term.is_force:
         return ranked
@@ -64,7 +62,7 @@ def line_of_sensor_first(ranked: tuple[Candidate, ...], *, by_gain: bool = False
     if hum is None or not hum.claimed or not hum.plausible:
         return ranked
     gain = hum.fit.chi_square - ranked[0].fit.chi_square
-    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and not (by_gain and gain <= 2.0 * RIVALS_WITHIN):
+    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and gain > 2.0 * RIVALS_WITHIN:
         return ranked
     return (hum, *(entry for entry in ranked if entry is not hum))
 
@@ -75,10 +73,8 @@ def _order(entry: Candidate) -> tuple[int, float]:
 
 
 def dispersion(baseline: Baseline, tried: Sequence[Fit]) -> float:
-    """Return the factor by which an unexplained misfit widens the noise: 1 where the best refit reaches a sure floor."""
+    """Return the factor by which the residual of the best refit widens the noise, by its power and its correlation."""
     best = min(tried, key=lambda found: found.chi_square, default=baseline.fit)
-    if baseline.adequate(best) and baseline.floor_is_sure:
-        return 1.0
     lengths = []
     for i, window in enumerate(best.windows):
         for channel in window.channels:

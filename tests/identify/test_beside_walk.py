@@ -105,3 +105,48 @@ def test_no_law_is_named_that_follows_one_that_the_library_does_not_hold():
     found = diagnose((release("fading_friction", 0.003, 300)[0],))
     assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.suspects[0].claimed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "walk_of", "seed"),
+    [
+        ("cubic_stiffness", "wandering_stiffness", 41000),
+        ("quadratic_damping", "wandering_damping", 41003),
+        ("stribeck_friction", "wandering_damping", 41005),
+        ("freeplay", "wandering_damping", 41009),
+        ("end_stop", "wandering_stiffness", 41012),
+    ],
+)
+def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, walk_of, seed):
+    """Springs and dampers drift: what is named, and how well it is known, must allow for that."""
+    prepared, truth = release(f"{name}+{walk_of}", (0.03, 0.003), seed)
+    found = diagnose((prepared,))
+    assert found.named == (name,)
+    assert found.final.reduced > 2.0
+    assert found.walk is not None
+    assert found.walk.reduced < found.baseline.highest
+    assert "a random drift in" in found.caution
+    stated = found.baseline.stated(found.final).values
+    known = {
+        f"{name}.{p}": value for p, value in truth["parameters"][name].items() if isinstance(value, float)
+    }
+    for unknown, value in (known | {"linear_stiffness.k": truth["stiffness_per_mass"]}).items():
+        if unknown in stated:
+            assert abs(stated[unknown].value - value) < 4.0 * stated[unknown].std
+
+
+def test_a_walk_is_followed_beyond_where_the_motion_is_linear_in_it():
+    """Taken as linear, a walk that turns the phase leaves a misfit that a law could be named for."""
+    fitted = fit_baseline((release("wandering_stiffness", 0.003, 31005)[0],), base_model())
+    linear, followed = walk_beside(fitted.fit), walk_beside(fitted.fit, 10)
+    assert linear.reduced > 1.5
+    assert followed.settled
+    assert followed.reduced < 1.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [905013, 906128])
+def test_noise_whose_colour_is_hardly_known_is_no_force(seed):
+    sample = draw(None, 0.0, seed, imperfections=("one_over_f",))
+    assert diagnose((ready(sample.rate, sample.displacement, sample.acceleration),)).named == ()

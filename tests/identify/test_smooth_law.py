@@ -19,7 +19,7 @@ def usual_model(hidden, strength, seed):
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_noise_shows_no_law(seed):
     found = usual_model(None, 0.0, seed)
-    assert smooth_law_beside(found, walk_beside(found)) < 0.0
+    assert smooth_law_beside(walk_beside(found)) < 0.0
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_noise_shows_no_law(seed):
 def test_a_law_is_seen_whether_it_has_a_name_or_not(hidden):
     found = usual_model(hidden, 0.003, 1)
     walk = walk_beside(found)
-    explains = smooth_law_beside(found, walk)
+    explains = smooth_law_beside(walk)
     assert explains > 10.0
     assert explains + walk.evidence < 0.5 * found.chi_square
 
@@ -37,4 +37,4 @@ def test_a_random_walk_is_no_law():
     found = usual_model("wandering_stiffness", 0.0003, 1)
     walk = walk_beside(found)
     assert walk.evidence > 10.0
-    assert smooth_law_beside(found, walk) < 4.0
+    assert smooth_law_beside(walk) < 4.0
