@@ -103,7 +103,7 @@ def _made_of(truth: dict[str, Any]) -> Paragraph:
     from station.operations.simulated_board import MASS_KG
 
     return Paragraph(
-        f"K {truth['stiffness']:.2f} N/m, c₀ {MASS_KG * truth['mu_0']:.4f} N, c₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
+        f"K {truth['stiffness']:.2f} N/m, μ₀ {MASS_KG * truth['mu_0']:.4f} N, μ₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
         f"lag {truth['displacement_late_s'] * 1e6:.1f} µs",
         label="the simulated board was made with (which the station did not know)",
     )

@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 from identify.estimate import Estimate
-from identify.formatting import DASH, plain_name, three_figures, with_error
+from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.identification import Identification
 from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import damping_label, noise_scale, typeset, typeset_unit
+from station.text.numbers import noise_scale, typeset, typeset_unit
 from station.text.record_text import mass_words, sampling
 
 KINDS = {
@@ -101,7 +101,7 @@ def methods_table(result: Identification, *, full: bool = False) -> Table:
             for method in both
         ]
         weighed = [result.weighing.strength(value) for value in values]
-        rows.append(_row(damping_label(order, result.weighing), weighed))
+        rows.append(_row(typeset(damping_name(order)), weighed))
     highest = {order for method in both if method is not None for order in method.stiffness_by_order}
     for order in sorted(highest - {1}):
         values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
@@ -151,4 +151,4 @@ def uncorrected(result: Identification) -> str:
     wrong = replace(right, value=right.value + found.stiffness_per_mass.value * aligned.lag.value)
     values = (weighing.strength(one) for one in (wrong, right))
     said = " instead of ".join(f"{one.value:.4g} {typeset_unit(one.unit)}" for one in values)
-    return f"the restoring force would have given {damping_label(1, weighing)} = {said}"
+    return f"the restoring force would have given {typeset(damping_name(1))} = {said}"

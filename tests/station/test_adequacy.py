@@ -114,7 +114,7 @@ def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
     for name, true, unit in (
         ("stiffness K", MASS * truth["stiffness_per_mass"], "N/m"),
         ("friction force", MASS * truth["mu_0"], "N"),
-        ("viscous damping c", MASS * truth["mu_1"], "N s/m"),
+        ("viscous damping μ₁", MASS * truth["mu_1"], "N s/m"),
         ("natural frequency", omega / (2 * math.pi), "Hz"),
         ("damping ratio (viscous part)", zeta, "1"),
         ("logarithmic decrement (viscous part)", 2 * math.pi * zeta / math.sqrt(1 - zeta**2), "1"),
