@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from identify.free_decay import CHANNELS
 from station.results.documents import Document, Part, picked, plain
 from station.story.identification import Identification
-from station.story.preparation import MOTION, Options
+from station.story.preparation import Options
 
 NAME = "identification.json"
 _METHOD = (
@@ -53,8 +54,8 @@ def identification_document(
     record = {
         "samples": len(decay),
         "lost_samples": result.lost_samples,
-        "channels": [name for name in MOTION if getattr(decay, name) is not None],
-        "noise": {name: getattr(decay, f"noise_{name}") for name in MOTION},
+        "channels": list(decay.channels),
+        "noise": {name: getattr(decay, f"noise_{name}") for name in CHANNELS},
     }
     times = {
         "amplitude": amplitude(result),
@@ -91,8 +92,7 @@ def amplitude(result: Identification) -> float | None:
     """
     displacement, rest = result.decay.displacement, result.release.rest
     if result.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
-        valid = result.decay.valid
-        kept = np.ones(len(displacement), dtype=bool) if valid is None else valid
+        kept = result.decay.known
         held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
         tail = slice(len(displacement) - len(displacement) // 10, None)
         if len(held) and kept[tail].any():

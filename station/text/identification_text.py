@@ -6,7 +6,6 @@ from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.identification import Identification
-from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import noise_scale, typeset, typeset_unit
@@ -39,7 +38,7 @@ def next_command(result: Identification) -> str:
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
     decay, release, found = result.decay, result.release, result.adequacy
-    names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
+    names = [*decay.channels, *(() if decay.force is None else ("force",))]
     sampled = sampling(len(decay), decay.rate, decay.rate_std)
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
@@ -57,7 +56,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 def noise_of(result: Identification) -> list[tuple[str, str]]:
     """List the channels with the rms of the noise of each, as the record alone shows it."""
     found = []
-    for name in MOTION:
+    for name in result.decay.channels:
         noise = getattr(result.decay, f"noise_{name}")
         if noise is not None:
             factor, unit = noise_scale(name, result.decay.unit, noise)
