@@ -8,7 +8,7 @@ from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Number, Part, read_with_checksum, to_text
-from station.results.models import ModelFile, Value
+from station.results.models import ModelFile
 from station.story.engineering_values import Weighing
 from station.story.residual import reaches_floor
 
@@ -54,11 +54,6 @@ class KeptStep(Part):
     def at_floor(self) -> bool:
         """Whether the model leaves no more than noise does."""
         return reaches_floor(self.error.chi2, self.chi2_std) if self.reached is None else self.reached
-
-    @property
-    def parameters(self) -> dict[str, Value]:
-        """All parameters by "effect.parameter"."""
-        return self.model.parameters
 
     def weighed(self, weighing: Weighing) -> dict[str, Any]:
         """Return the same with the mass in forces and strengths."""
@@ -134,7 +129,7 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
                 "removed": step.removed or None,
                 "effects": step.effects,
                 "error": step.error.model_dump() | {"chi2_std": step.chi2_std},
-                "parameters": {name: value.model_dump() for name, value in step.parameters.items()},
+                "parameters": {name: value.model_dump() for name, value in step.model.parameters.items()},
             }
             for step in steps
         ],
