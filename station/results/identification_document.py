@@ -3,9 +3,10 @@
 from typing import Any
 
 import numpy as np
+from pydantic import AliasPath, Field
 
 from identify.free_decay import CHANNELS
-from station.results.documents import Document, Part, picked, plain
+from station.results.documents import Document, picked, plain
 from station.story.identification import Identification
 from station.story.preparation import Options
 
@@ -15,32 +16,16 @@ _METHOD = (
 )  # fmt: skip
 
 
-class KeptAdequacy(Part):
-    """The effects of the identified model."""
-
-    effects: list[str]
-
-
-class KeptOrders(Part):
-    """The highest order of damping and the orders of stiffness that were tried, and whether the operator chose them."""
-
-    max_order: int
-    stiffness_orders: list[int]
-    chosen: bool
-
-
 class KeptIdentification(Document):
-    """What is read again of an identification that a session keeps."""
+    """What is read again of a kept identification: the effects of its model, and at which orders; none where it has none.
 
-    adequacy: KeptAdequacy | None = None
-    orders: KeptOrders | None = None
+    `chosen` says whether the operator chose the highest order of damping and the orders of stiffness.
+    """
 
-    @property
-    def chosen(self) -> tuple[str, ...]:
-        """The effects of the identified model where the operator chose its orders; none where nobody did."""
-        if self.orders is None or not self.orders.chosen or self.adequacy is None:
-            return ()
-        return tuple(self.adequacy.effects)
+    effects: tuple[str, ...] = Field((), validation_alias=AliasPath("adequacy", "effects"))
+    max_order: int = Field(0, validation_alias=AliasPath("orders", "max_order"))
+    stiffness_orders: tuple[int, ...] = Field((), validation_alias=AliasPath("orders", "stiffness_orders"))
+    chosen: bool = Field(False, validation_alias=AliasPath("orders", "chosen"))
 
 
 def identification_document(
