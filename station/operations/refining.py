@@ -220,14 +220,10 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
 
 def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
     """Make the document of a step; `begun_with` says of the first which model it is."""
-    return KeptStep(
-        added=step.added,
-        removed=step.removed,
+    return KeptStep.of(
+        step,
         model=model_file(step.stated, expressions),
-        error=Errors.model_validate(step.error),
-        chi2_std=step.error.floor_std,
         floor_percent=motion_floor(step.fit),
-        reached=step.at_floor,
         nuisances={name: found.value for name, found in step.fit.nuisances.items()},
         begun_with=begun_with,
     )

@@ -79,7 +79,7 @@ def _explaining(found: Findings) -> tuple[Fit, str] | None:
         judged = current.judged
         return _explained(current.words, judged.stated(judged.fit), current.left)
     if adequate is not None and adequate.adequate:
-        left = residual_words(adequate.motion_percent, adequate.chi_square)
+        left = residual_words(adequate.error.motion_percent, adequate.error.chi_square)
         return _explained("the identified model", adequate.fit, left)
     return None
 

@@ -35,7 +35,10 @@ def identification_document(
 
     What could not be had is None, and `refusals` says why.
     """
-    decay, release, rate = result.decay, result.release, result.decay.rate
+    decay, release, rate, found = result.decay, result.release, result.decay.rate, result.adequacy
+    error = picked(
+        None if found is None else found.error, "motion_percent", chi2="chi_square", chi2_std="floor_std"
+    )
     record = {
         "samples": len(decay),
         "lost_samples": result.lost_samples,
@@ -60,10 +63,8 @@ def identification_document(
                 result.restoring_force, *_METHOD, "significance_percent", "offset", "mass", "source"
             ),
             "refusals": result.refusals,
-            "adequacy": picked(
-                result.adequacy, "effects", "motion_percent", "adequate", "quotable", "apart", "sigmas", "doubt",
-                chi2="chi_square", chi2_std="chi_square_std",
-            ),
+            "adequacy": None if found is None else error
+            | picked(found, "effects", "adequate", "quotable", "apart", "sigmas", "doubt"),
             "orders": picked(options, "max_order", "stiffness_orders", chosen="orders_chosen"),
         }
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from typing import Any, Self
 
-from pydantic import Field
+from pydantic import AliasPath, Field
 
 from daq.session import Session
 from daq.storage import digest
@@ -29,9 +29,9 @@ class KeptStep(Part):
     removed: str = ""
     model: ModelFile
     error: Errors
-    chi2_std: float
+    chi2_std: float = Field(validation_alias=AliasPath("error", "floor_std"))
     floor_percent: Number = None
-    reached: bool | None = None
+    reached: bool | None = Field(None, validation_alias="at_floor")
     nuisances: dict[str, float]
     begun_with: str = ""
 

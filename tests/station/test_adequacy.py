@@ -129,7 +129,7 @@ def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
 
 def test_a_bench_with_a_hidden_force_may_not_be_quoted(releases):
     judged = adequacy(releases["hidden"][0], base_model())
-    assert judged.chi_square > 10.0
+    assert judged.error.chi_square > 10.0
     assert not judged.quotable
     assert judgement(judged).endswith("do not quote its values")
 
