@@ -108,7 +108,7 @@ def _nothing_explains(found: Findings) -> str:
 
 def _values(fit: Fit, found: Findings) -> Table:
     """Make the table of what a test report quotes, each value with the parts of its error."""
-    mass, std = found.options.mass, found.options.mass_std
+    mass, std = found.weighing.mass, found.weighing.mass_std
     share = None if mass is None or std is None else std / mass
     aligned = None if found.identification is None else found.identification.alignment
     calibration = calibration_of(found.recording, None if aligned is None else aligned.gain.value)

@@ -7,7 +7,7 @@ from pydantic import AliasPath, Field
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
-from station.results.documents import Document, Errors, Number, Part, read_with_checksum, to_text
+from station.results.documents import Document, Errors, Number, Part, picked, read_with_checksum, to_text
 from station.results.models import ModelFile
 from station.story.engineering_values import Weighing
 from station.story.residual import reaches_floor
@@ -121,7 +121,7 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
     """Return the ladder under the keys that other programs rely on; the last step is the present model."""
     steps = ladder.steps[: ladder.present + 1]
     return {
-        "format": ladder.format,
+        **picked(ladder, "format", "stopped_because", "verdict"),
         "session": session.folder.name,
         "steps": [
             {
@@ -134,8 +134,6 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
             for step in steps
         ],
         "floor": ladder.noise.model_dump(),
-        "stopped_because": ladder.stopped_because,
-        "verdict": ladder.verdict,
         "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }
