@@ -30,6 +30,14 @@ class Triggered:
     half_period_s: float
 
 
+def threshold(channel: Channel, noise: float, level: float | None = None) -> float:
+    """Return the swing from which on a channel may show a release; it, `noise` at rest and a stated `level` in its unit."""
+    smallest = smallest_motion(channel, level)
+    if level is not None:
+        return max(smallest, 6 * noise)
+    return max(smallest, TIMES_NOISE * noise, TIMES_RESOLUTION * (channel.resolution or 0.0))
+
+
 class Trigger:
     """Feed it blocks from rest on; it returns the release once three free swings have followed it.
 
@@ -57,12 +65,9 @@ class Trigger:
         }
 
     def _threshold(self, row: int) -> float:
-        channel, noise = self._channels[row], float(self.rest.noise[row])
+        channel = self._channels[row]
         level = self._level if channel.quantity == primary(self._channels) else None
-        smallest = smallest_motion(channel, level)
-        if level is not None:
-            return max(smallest, 6 * noise)
-        return max(smallest, TIMES_NOISE * noise, TIMES_RESOLUTION * (channel.resolution or 0.0))
+        return threshold(channel, float(self.rest.noise[row]), level)
 
     def set_rest(self, rest: Rest) -> None:
         """Take the noise of a longer rest; nothing that was seen already is forgotten."""

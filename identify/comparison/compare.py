@@ -18,13 +18,17 @@ from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import force_misfit, force_mse_percent, motion_percent
+from identify.fitting.model_error import (
+    force_floor_percent,
+    force_misfit,
+    force_mse_percent,
+    motion_percent,
+)
 from identify.fitting.problem import Problem
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import nuisance
-from identify.preprocessing.equation_error import moving
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.summary import Summarised, Summary
@@ -176,10 +180,7 @@ def _without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, F
 def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float]:
     """Eq. (18) and its floor in %."""
     measured, residual = force_misfit(prepared, fit)
-    used = moving(prepared.motion)
-    scale = 100.0 / float(np.var(measured[used]))
-    noise = prepared.motion.noise_acceleration or 0.0
-    return force_mse_percent(prepared, measured, residual), scale * noise**2
+    return force_mse_percent(prepared, measured, residual), force_floor_percent(prepared, measured)
 
 
 def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:

@@ -1,5 +1,6 @@
 """The three errors of a model: of the force, of the simulated motion, and relative to the noise floor."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,16 +47,34 @@ def force_mse_percent(prepared: PreparedDecay, measured: Array, residual: Array)
     return float(100.0 * np.mean(residual[used] ** 2) / np.var(measured[used]))
 
 
+def force_floor_percent(prepared: PreparedDecay, measured: Array) -> float:
+    """Return what noise alone leaves of the same mean square, in %."""
+    noise = prepared.motion.noise_acceleration or 0.0
+    return 100.0 * noise**2 / float(np.var(measured[moving(prepared.motion)]))
+
+
 def motion_percent(fit: Fit, place: int = 0) -> float:
     """Return the free-run misfit of the displacement (or the first channel there is) in % of its rms, over all releases.
 
     Another `place` chooses another channel, of releases with so many.
     """
+
+    def left(channel: str, i: int) -> float:
+        return float(np.mean(fit.residual(channel, i)[fit.windows[i].used[channel]] ** 2))
+
+    return _percent_of_motion(fit, left, place)
+
+
+def noise_percent(fit: Fit) -> float:
+    """Return what noise alone leaves of the same, in %; of coloured noise as much as in this residual."""
+    return _percent_of_motion(fit, lambda channel, i: fit.noise(channel, i) ** 2)
+
+
+def _percent_of_motion(fit: Fit, mean_square: Callable[[str, int], float], place: int = 0) -> float:
     shares = []
     for i, window in enumerate(fit.windows):
         channel = window.channels[min(place, len(window.channels) - 1)]
-        kept = window.used[channel]
-        shares.append(np.mean(fit.residual(channel, i)[kept] ** 2) / np.var(window.readings[channel][kept]))
+        shares.append(mean_square(channel, i) / np.var(window.readings[channel][window.used[channel]]))
     return 100.0 * float(np.sqrt(np.mean(shares)))
 
 

@@ -14,6 +14,7 @@ from identify.fitting.segments import segments_of
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.campaign_document import SessionResult
+from station.results.documents import picked
 from station.results.identification_document import amplitude
 from station.story.identification import Identification
 from station.story.pipeline import identify
@@ -85,15 +86,9 @@ def identified_parameters(result: Identification) -> dict[str, Any]:
 
 def fit_content(baseline: Baseline) -> dict[str, Any]:
     """Return the parameters of a fitted model, and how far it is from the measurement."""
-    error = errors_of(baseline)
-    found = baseline.stated(baseline.fit)
-    return {
-        "parameters": dict(found.parameters),
-        "chi2": error.chi_square,
-        "chi2_std": error.floor_std,
-        "motion_percent": error.motion_percent,
-        "at_floor": baseline.at_floor,
-    }
+    parameters = dict(baseline.stated(baseline.fit).parameters)
+    errors = picked(errors_of(baseline), "motion_percent", chi2="chi_square", chi2_std="floor_std")
+    return {"parameters": parameters, "at_floor": baseline.at_floor, **errors}
 
 
 def _diagnosed(prepared: PreparedDecay) -> dict[str, Any]:

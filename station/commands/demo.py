@@ -68,7 +68,7 @@ def command(
 def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) -> None:
     """Guide a simulated rig that releases itself and hides what its seed draws, then say what that was."""
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
-    from station.operations.mystery import BOARD, hidden_words
+    from station.operations.mystery import BOARD, hidden_document, hidden_words
     from station.operations.new_session import new_folder
     from station.operations.simulated_board import on_simulated, simulated_capture
     from station.report.guided import show_guided
@@ -84,9 +84,8 @@ def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) ->
         module=BOARD,
     )
     truth = json.loads(envelope)
-    hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
     words = facts([("hidden was", f"{hidden_words(truth)}; it is read only now")])
-    answer(document.plain() | {"hidden": hidden}, Told("", "", words))
+    answer(document.plain() | {"hidden": hidden_document(truth)}, Told("", "", words))
 
 
 def _list() -> None:
@@ -103,7 +102,7 @@ def _made_of(truth: dict[str, Any]) -> Paragraph:
     from station.operations.simulated_board import MASS_KG
 
     return Paragraph(
-        f"K {truth['stiffness']:.2f} N/m, c₀ {MASS_KG * truth['mu_0']:.4f} N, c₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
+        f"K {truth['stiffness']:.2f} N/m, μ₀ {MASS_KG * truth['mu_0']:.4f} N, μ₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
         f"lag {truth['displacement_late_s'] * 1e6:.1f} µs",
         label="the simulated board was made with (which the station did not know)",
     )

@@ -120,6 +120,8 @@ def _two(option: str, given: str | None) -> tuple[str, str] | None:
 
 
 def _document(file: Path, imported: "Imported") -> dict[str, Any]:
+    from station.results.documents import picked
+
     recording = imported.recordings[0]
     return {
         "file": str(file),
@@ -128,10 +130,7 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
         "rate_hz": recording.rate,
         "samples": sum(int(one.samples.shape[1]) for one in imported.recordings),
         "lost_samples": sum(int((~one.valid).sum()) for one in imported.recordings),
-        "channels": [
-            {"name": channel.name, "quantity": channel.quantity, "unit": channel.unit}
-            for channel in recording.channels
-        ],
+        "channels": [picked(channel, "name", "quantity", "unit") for channel in recording.channels],
         "notes": list(imported.notes),
     }
 

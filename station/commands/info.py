@@ -17,6 +17,7 @@ def command(
     from identify.formatting import plain_name
     from identify.preprocessing.release import find_releases
     from station.operations.current_model import current_model
+    from station.results.documents import picked
     from station.results.sessions import open_session
     from station.story.preparation import Options, free_decay, length_unit
     from station.text.content import Told, facts
@@ -37,11 +38,8 @@ def command(
         **opened.info.model_dump(mode="json"),
         "samples": int(recording.samples.shape[1]),
         "lost_samples": int((~recording.valid).sum()),
-        "channels": [
-            {"name": c.name, "quantity": c.quantity, "unit": c.unit, "sensor": c.sensor}
-            for c in recording.channels
-        ],
-        "gaps": [{"first": g.first, "count": g.count, "reason": g.reason} for g in recording.gaps],
+        "channels": [picked(channel, "name", "quantity", "unit", "sensor") for channel in recording.channels],
+        "gaps": [picked(gap, "first", "count", "reason") for gap in recording.gaps],
         "flags": [] if manifest is None else [flag.model_dump() for flag in manifest.flags],
         "notes": list(recording.notes),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),

@@ -50,8 +50,7 @@ def first_model(
         return KnownModel(base_model())
     if name == "identified":
         kept = [kept_identification(session) for session in sessions]
-        found = [tuple(one.adequacy.effects) if one and one.adequacy else () for one in kept]
-        effects = _alike(sessions, found, "identified", "identify")
+        effects = _alike(sessions, [one.effects if one else () for one in kept], "identified", "identify")
         return KnownModel(model_of(effects), "the identified model")
     if name == "refined":
         tops = _refined(sessions)
@@ -97,14 +96,13 @@ def _alike(
 
 def _own(sessions: Sequence[Session]) -> KnownModel:
     kept = [kept_identification(session) for session in sessions]
-    chosen = {() if one is None else one.chosen for one in kept}
+    chosen = {one.effects if one and one.chosen else () for one in kept}
     if len(chosen) == 1 and (effects := chosen.pop()):
         return KnownModel(model_of(effects), "the identified model, at the orders that were chosen")
     usual = base_model()
     if any(chosen):
         return KnownModel(usual, remark="The sessions were identified at different orders.")
-    found = [name for one in kept[:1] if one and one.adequacy for name in one.adequacy.effects]
-    beyond = [plain_name(name) for name in found if name not in usual]
+    beyond = [plain_name(name) for one in kept[:1] if one for name in one.effects if name not in usual]
     if not beyond:
         return KnownModel(usual)
     remark = (

@@ -6,17 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from daq.exporting import Exported, encode
-from daq.recording import Recording
 from daq.session import Session
 from daq.storage import write_whole
 from identify.errors import NotIdentifiable
-from identify.preprocessing.alignment import Alignment
-from identify.signal.fractional_delay import read_at_shift
+from identify.preprocessing.alignment import correct
 from station.exits import UsageProblem
 from station.settings import Settings
 from station.story.preparation import locate, options_for
-
-_MOVED = ("displacement", "velocity")
 
 
 def exported_session(session: Session, settings: Settings, *, aligned: bool = True) -> Exported:
@@ -38,15 +34,18 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
     facts["release_s"] = f"{found.release.time_s:.6g}"
     if found.alignment is None:
         return Exported(recording, facts | {"channels": f"as recorded: {found.not_aligned}"})
-    moved, name = _moved(recording, found.alignment)
-    lag = found.alignment.lag
+    moved, lag = correct(found.recorded, found.alignment), found.alignment.lag
+    name = next(iter(moved.channels))  # the lowest derivative
+    samples = np.array(recording.samples)
+    samples[[channel.quantity for channel in recording.channels].index(name)] = moved.channels[name]
+    valid = recording.valid if moved.valid is None else recording.valid & moved.valid
     facts |= {
         "channels": f"{name} moved earlier by its lag behind the acceleration",
         "lag_s": f"{lag.value:.9g}",
         "lag_std_s": f"{lag.std:.3g}",
         "gain_of_the_acceleration": f"{found.alignment.gain.value:.9g} (estimated, not applied)",
     }
-    return Exported(moved, facts)
+    return Exported(replace(recording, samples=samples, valid=valid), facts)
 
 
 def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool) -> int:
@@ -59,17 +58,6 @@ def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool
     content = encode(exported, form)
     write_whole(file, content)
     return len(content)
-
-
-def _moved(recording: Recording, alignment: Alignment) -> tuple[Recording, str]:
-    """Return the recording with its first displacement (or velocity) moved earlier by the lag, and what was moved."""
-    quantities = [channel.quantity for channel in recording.channels]
-    name = next(quantity for quantity in _MOVED if quantity in quantities)
-    place = quantities.index(name)
-    samples = np.array(recording.samples)
-    shift = alignment.lag.value * recording.rate
-    samples[place], known = read_at_shift(samples[place], shift, recording.valid)
-    return replace(recording, samples=samples, valid=recording.valid & known), name
 
 
 def facts_of(session: Session) -> dict[str, str]:

@@ -24,6 +24,7 @@ from station.operations.provisional import Provisional
 from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
+from station.results.documents import picked
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -115,10 +116,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
                 sessions, decays, before = trial.sessions, trial.decays, found
                 told = guidance(found, len(sessions), limits)
                 document = diagnosis_document(trial.names, found)
-                turn |= {
-                    "verdict": document.verdict,
-                    "named": document.named,
-                    "hypotheses": document.hypotheses,
+                turn |= picked(document, "verdict", "named", "hypotheses") | {
                     "next_release": next_release_document(told.chosen),
                     "judged_s": time.monotonic() - began,
                 }

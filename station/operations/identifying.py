@@ -59,10 +59,9 @@ def kept_options(session: Session, settings: Settings) -> Options:
         kept = kept_identification(session)
     except UsageProblem:  # altered: it is made again
         return options
-    if kept is None or kept.orders is None or not kept.orders.chosen:
+    if kept is None or not kept.chosen:
         return options
-    orders = kept.orders
-    return replace(options, max_order=orders.max_order, stiffness_orders=tuple(orders.stiffness_orders))
+    return replace(options, max_order=kept.max_order, stiffness_orders=kept.stiffness_orders)
 
 
 def identified(session: Session, settings: Settings) -> dict[str, Any]:

@@ -20,7 +20,6 @@ from station.exits import UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import new_folder
-from station.operations.record_floor import with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
@@ -30,7 +29,6 @@ from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.preparation import prepare_session
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
@@ -95,11 +93,10 @@ def solve(
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
     session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
-    prepared = with_floor(session, prepare_session(session, settings))
-    sessions = SessionSet((session,), (prepared,))
-    _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
-    compared, _ = compare_session(session, settings)
+    sessions = SessionSet((session,), (refinement.prepared,))
+    _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
+    compared, _ = compare_session(session, settings, prepared=refinement.prepared)
     worst = [(f"{one.significance:.0f} sigma", typeset(one.text)) for one in compared.comparison.places[:1]]
     show(console, replace(comparison_text.told(compared), brief=facts(worst)))
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
@@ -128,6 +125,11 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
     _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, module=BOARD)
     return dict(json.loads(envelope))
+
+
+def hidden_document(truth: dict[str, Any]) -> dict[str, Any]:
+    """Write down what was hidden: the effect, its kind, its strengths and its parameters."""
+    return {"effect": truth["hidden"]} | {key: truth[key] for key in ("kind", "strengths", "parameters")}
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
@@ -188,12 +190,7 @@ def _document(solved: Solved) -> dict[str, Any]:
         "session": str(solved.session.folder),
         "diagnosis": solved.diagnosis.plain(),
         "ladder": ladder_document(solved.session, solved.ladder),
-        "hidden": {
-            "effect": solved.truth["hidden"],
-            "kind": solved.truth["kind"],
-            "strengths": solved.truth["strengths"],
-            "parameters": solved.truth["parameters"],
-        },
+        "hidden": hidden_document(solved.truth),
         "right": solved.right,
     }
 

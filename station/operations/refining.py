@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import numpy as np
-
 from daq.session import Session
 from identify.diagnosis.diagnose import refine
 from identify.diagnosis.ladder import (
@@ -18,9 +16,9 @@ from identify.diagnosis.ladder import (
 )
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
+from identify.fitting.model_error import force_floor_percent, noise_percent
 from identify.formatting import plain_name, three_figures
 from identify.judging.nonparametric_force import curve_of_rest
-from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
@@ -30,7 +28,6 @@ from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
-from station.story.compared import motion_floor
 from station.story.engineering_values import Weighing
 from station.story.pipeline import Progress
 from station.story.preparation import prepare_session, weighing_of
@@ -88,14 +85,8 @@ def open_refinement(
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
     """Compute the three errors that noise alone gives."""
-    motion = prepared.motion
-    used = moving(motion)
-    noise = motion.noise_acceleration or 0.0
-    return Errors(
-        force_mse_percent=float(100.0 * noise**2 / np.var(prepared.restoring[used])),
-        motion_percent=motion_floor(step.fit),
-        chi2=1.0,
-    )
+    force = force_floor_percent(prepared, prepared.restoring)
+    return Errors(force_mse_percent=force, motion_percent=noise_percent(step.fit), chi2=1.0)
 
 
 def step_again(refinement: Refinement, step: KeptStep) -> Step:
@@ -220,14 +211,10 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
 
 def _kept(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
     """Make the document of a step; `begun_with` says of the first which model it is."""
-    return KeptStep(
-        added=step.added,
-        removed=step.removed,
+    return KeptStep.of(
+        step,
         model=model_file(step.stated, expressions),
-        error=Errors.model_validate(step.error),
-        chi2_std=step.error.floor_std,
-        floor_percent=motion_floor(step.fit),
-        reached=step.at_floor,
+        floor_percent=noise_percent(step.fit),
         nuisances={name: found.value for name, found in step.fit.nuisances.items()},
         begun_with=begun_with,
     )

@@ -13,7 +13,7 @@ from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session
 from station.operations.current_model import model_of_step
-from station.operations.identifying import identify_session, kept_options
+from station.operations.identifying import identify_session
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
@@ -25,20 +25,21 @@ from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.story.pipeline import Progress, compare, silent
-from station.story.preparation import Options, length_unit
+from station.story.preparation import length_unit, weighing_of
 
 
 @dataclass(eq=False)
 class Findings:
     """All that is known of a session; what is None was left out, and `left_out` says why under its name.
 
-    `doubt` says how the session's files are not as they were written, "" where they are. `compared` is the current model
-    with the record, `first` the model that its `ladder` began with, where that is another.
+    `weighing` puts the mass into forces and strengths. `doubt` says how the session's files are not as they were written,
+    "" where they are. `compared` is the current model with the record, `first` the model that its `ladder` began with,
+    where that is another.
     """
 
     session: Session
     recording: Recording
-    options: Options
+    weighing: Weighing
     manifest: Manifest | None = None
     doubt: str = ""
     identification: Identification | None = None
@@ -55,18 +56,14 @@ class Findings:
         """The verdict on the recording; None where the files are in doubt."""
         return None if self.doubt or self.manifest is None else self.manifest.verdict
 
-    @property
-    def weighing(self) -> Weighing:
-        """What puts the mass into forces and strengths."""
-        return Weighing(self.options.mass, self.options.mass_std, length_unit(self.recording))
-
 
 def gather(session: Session, settings: Settings, progress: Progress) -> Findings:
     """Collect all results of a session; identifies and compares.
 
     Raises DataLost when the session holds no sample; what else cannot be done is left out and says why.
     """
-    found = Findings(session, session.recording(), kept_options(session, settings))
+    recording = session.recording()
+    found = Findings(session, recording, weighing_of(session, settings, length_unit(recording)))
     with _or_say_why(found, "identification", NotIdentifiable):
         found.identification, _ = identify_session(session, settings, progress)
     with _or_say_why(found, "comparison", Problem, NotIdentifiable):

@@ -79,7 +79,7 @@ def _explaining(found: Findings) -> tuple[Fit, str] | None:
         judged = current.judged
         return _explained(current.words, judged.stated(judged.fit), current.left)
     if adequate is not None and adequate.adequate:
-        left = residual_words(adequate.motion_percent, adequate.chi_square)
+        left = residual_words(adequate.error.motion_percent, adequate.error.chi_square)
         return _explained("the identified model", adequate.fit, left)
     return None
 
@@ -108,7 +108,7 @@ def _nothing_explains(found: Findings) -> str:
 
 def _values(fit: Fit, found: Findings) -> Table:
     """Make the table of what a test report quotes, each value with the parts of its error."""
-    mass, std = found.options.mass, found.options.mass_std
+    mass, std = found.weighing.mass, found.weighing.mass_std
     share = None if mass is None or std is None else std / mass
     aligned = None if found.identification is None else found.identification.alignment
     calibration = calibration_of(found.recording, None if aligned is None else aligned.gain.value)

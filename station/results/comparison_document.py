@@ -23,11 +23,8 @@ def comparison_document(compared: Compared) -> dict[str, Any]:
     return plain(
         {
             "format": 1,
-            "session": compared.name,
+            **picked(compared, "pieces", session="name", model_is="words", model_remark="remark"),
             "model": picked(fit.model, "equation", effects="names") | {"parameters": fit.parameters},
-            "model_is": compared.words,
-            "model_remark": compared.remark,
-            "pieces": compared.pieces,
             "error": FreeRunErrors.model_validate(compared.error),
             "one_run": picked(
                 found, force_mse_percent="force_error", motion_percent="motion_error", chi2="chi_square"

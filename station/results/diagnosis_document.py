@@ -45,13 +45,12 @@ Channel = Annotated[
 
 
 class NoiseFloorDocument(Part):
-    """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
+    """The standard error of the floor of chi2, which is 1, and the noise of each channel (of the first session).
 
     `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
     it speaks against the model: its power there, relative to that expected from between them. None where it was not asked.
     """
 
-    chi2: float
     chi2_std: float
     channels: dict[str, Any]
     sure: bool | None = None
@@ -332,10 +331,9 @@ def _noise_floor(found: Diagnosis) -> dict[str, Any]:
         name: picked(noise, "std", "uncertainty", "source") | {"unit": units[name]}
         for name, noise in baseline.floors[0].channels.items()
     }
-    known = {"chi2": 1.0, "chi2_std": baseline.spread, "sure": baseline.floor_is_sure}
-    return plain(
-        known | {"channels": channels, "harmonics": picked(found.harmonics, "ratio", "p_value", "against")}
-    )
+    harmonics = picked(found.harmonics, "ratio", "p_value", "against")
+    known = {"chi2_std": baseline.spread, "sure": baseline.floor_is_sure}
+    return plain(known | {"channels": channels, "harmonics": harmonics})
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> SuspectDocument:

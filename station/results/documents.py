@@ -13,7 +13,7 @@ from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
 from station.output import progress
-from station.story.residual import noise_multiple, residual_words
+from station.story.residual import residual_words
 
 LARGEST = 50 << 20
 
@@ -89,13 +89,8 @@ class Errors(Part):
     chi2: Number = Field(None, validation_alias="chi_square")
 
     @property
-    def times_noise(self) -> float:
-        """The rms of the residual over that of the noise."""
-        return noise_multiple(self.chi2)
-
-    @property
     def words(self) -> str:
-        """The same and the residual in % of the motion."""
+        """The residual in % of the motion, and its rms over that of the noise."""
         return residual_words(self.motion_percent, self.chi2)
 
 

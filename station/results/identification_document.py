@@ -3,10 +3,12 @@
 from typing import Any
 
 import numpy as np
+from pydantic import AliasPath, Field
 
-from station.results.documents import Document, Part, picked, plain
+from identify.free_decay import CHANNELS
+from station.results.documents import Document, picked, plain
 from station.story.identification import Identification
-from station.story.preparation import MOTION, Options
+from station.story.preparation import Options
 
 NAME = "identification.json"
 _METHOD = (
@@ -14,32 +16,16 @@ _METHOD = (
 )  # fmt: skip
 
 
-class KeptAdequacy(Part):
-    """The effects of the identified model."""
-
-    effects: list[str]
-
-
-class KeptOrders(Part):
-    """The highest order of damping and the orders of stiffness that were tried, and whether the operator chose them."""
-
-    max_order: int
-    stiffness_orders: list[int]
-    chosen: bool
-
-
 class KeptIdentification(Document):
-    """What is read again of an identification that a session keeps."""
+    """What is read again of a kept identification: the effects of its model, and at which orders; none where it has none.
 
-    adequacy: KeptAdequacy | None = None
-    orders: KeptOrders | None = None
+    `chosen` says whether the operator chose the highest order of damping and the orders of stiffness.
+    """
 
-    @property
-    def chosen(self) -> tuple[str, ...]:
-        """The effects of the identified model where the operator chose its orders; none where nobody did."""
-        if self.orders is None or not self.orders.chosen or self.adequacy is None:
-            return ()
-        return tuple(self.adequacy.effects)
+    effects: tuple[str, ...] = Field((), validation_alias=AliasPath("adequacy", "effects"))
+    max_order: int = Field(0, validation_alias=AliasPath("orders", "max_order"))
+    stiffness_orders: tuple[int, ...] = Field((), validation_alias=AliasPath("orders", "stiffness_orders"))
+    chosen: bool = Field(False, validation_alias=AliasPath("orders", "chosen"))
 
 
 def identification_document(
@@ -49,12 +35,15 @@ def identification_document(
 
     What could not be had is None, and `refusals` says why.
     """
-    decay, release, rate = result.decay, result.release, result.decay.rate
+    decay, release, rate, found = result.decay, result.release, result.decay.rate, result.adequacy
+    error = picked(
+        None if found is None else found.error, "motion_percent", chi2="chi_square", chi2_std="floor_std"
+    )
     record = {
         "samples": len(decay),
         "lost_samples": result.lost_samples,
-        "channels": [name for name in MOTION if getattr(decay, name) is not None],
-        "noise": {name: getattr(decay, f"noise_{name}") for name in MOTION},
+        "channels": list(decay.channels),
+        "noise": {name: getattr(decay, f"noise_{name}") for name in CHANNELS},
     }
     times = {
         "amplitude": amplitude(result),
@@ -74,10 +63,8 @@ def identification_document(
                 result.restoring_force, *_METHOD, "significance_percent", "offset", "mass", "source"
             ),
             "refusals": result.refusals,
-            "adequacy": picked(
-                result.adequacy, "effects", "motion_percent", "adequate", "quotable", "apart", "sigmas", "doubt",
-                chi2="chi_square", chi2_std="chi_square_std",
-            ),
+            "adequacy": None if found is None else error
+            | picked(found, "effects", "adequate", "quotable", "apart", "sigmas", "doubt"),
             "orders": picked(options, "max_order", "stiffness_orders", chosen="orders_chosen"),
         }
     )  # fmt: skip
@@ -91,8 +78,7 @@ def amplitude(result: Identification) -> float | None:
     """
     displacement, rest = result.decay.displacement, result.release.rest
     if result.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
-        valid = result.decay.valid
-        kept = np.ones(len(displacement), dtype=bool) if valid is None else valid
+        kept = result.decay.known
         held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
         tail = slice(len(displacement) - len(displacement) // 10, None)
         if len(held) and kept[tail].any():

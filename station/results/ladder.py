@@ -2,13 +2,13 @@
 
 from typing import Any, Self
 
-from pydantic import Field
+from pydantic import AliasPath, Field
 
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
-from station.results.documents import Document, Errors, Number, Part, read_with_checksum, to_text
-from station.results.models import ModelFile, Value
+from station.results.documents import Document, Errors, Number, Part, picked, read_with_checksum, to_text
+from station.results.models import ModelFile
 from station.story.engineering_values import Weighing
 from station.story.residual import reaches_floor
 
@@ -29,9 +29,9 @@ class KeptStep(Part):
     removed: str = ""
     model: ModelFile
     error: Errors
-    chi2_std: float
+    chi2_std: float = Field(validation_alias=AliasPath("error", "floor_std"))
     floor_percent: Number = None
-    reached: bool | None = None
+    reached: bool | None = Field(None, validation_alias="at_floor")
     nuisances: dict[str, float]
     begun_with: str = ""
 
@@ -54,11 +54,6 @@ class KeptStep(Part):
     def at_floor(self) -> bool:
         """Whether the model leaves no more than noise does."""
         return reaches_floor(self.error.chi2, self.chi2_std) if self.reached is None else self.reached
-
-    @property
-    def parameters(self) -> dict[str, Value]:
-        """All parameters by "effect.parameter"."""
-        return self.model.parameters
 
     def weighed(self, weighing: Weighing) -> dict[str, Any]:
         """Return the same with the mass in forces and strengths."""
@@ -126,7 +121,7 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
     """Return the ladder under the keys that other programs rely on; the last step is the present model."""
     steps = ladder.steps[: ladder.present + 1]
     return {
-        "format": ladder.format,
+        **picked(ladder, "format", "stopped_because", "verdict"),
         "session": session.folder.name,
         "steps": [
             {
@@ -134,13 +129,11 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
                 "removed": step.removed or None,
                 "effects": step.effects,
                 "error": step.error.model_dump() | {"chi2_std": step.chi2_std},
-                "parameters": {name: value.model_dump() for name, value in step.parameters.items()},
+                "parameters": {name: value.model_dump() for name, value in step.model.parameters.items()},
             }
             for step in steps
         ],
         "floor": ladder.noise.model_dump(),
-        "stopped_because": ladder.stopped_because,
-        "verdict": ladder.verdict,
         "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }

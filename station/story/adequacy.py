@@ -11,7 +11,7 @@ from daq.reading_flags import Flag
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import errors_of
+from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name
 from identify.model.model import Model
@@ -32,18 +32,15 @@ GAIN_WORTH_SAYING = 2e-3
 
 @dataclass(frozen=True, eq=False)
 class Adequacy:
-    """The identified model fitted to its own record and simulated from the release, with its residual.
+    """The identified model fitted to its own record and simulated from the release, with its errors.
 
-    `chi_square` is the misfit over the noise (1 ± `chi_square_std` where nothing is left), `motion_percent` what it leaves
-    of the motion, in % of its rms. `adequate` says whether the noise floor is reached. `apart` is the parameter in which
-    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`. `doubt` is what its clock,
-    or the verdict on the recording, holds against every value of it; "" for nothing.
+    `adequate` says whether the noise floor is reached. `apart` is the parameter in which the two methods are farthest apart,
+    in words, with the distance in standard errors `sigmas`. `doubt` is what its clock, or the verdict on the recording,
+    holds against every value of it; "" for nothing.
     """
 
     fit: Fit
-    chi_square: float
-    chi_square_std: float
-    motion_percent: float
+    error: ModelError
     adequate: bool
     apart: str = ""
     sigmas: float = 0.0
@@ -88,20 +85,11 @@ def adequacy(
 ) -> Adequacy:
     """Fit the identified model to its record and judge its residual; compare the `methods` with each other."""
     baseline = fit_baseline(segments_of(prepared), model)
-    error = errors_of(baseline)
     apart, sigmas = farthest(methods)
     off = (prepared.window.rate_std or 0.0) / prepared.window.rate
     of_clock = "" if off <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * off:.2g} %"
-    return Adequacy(
-        baseline.stated(baseline.fit),
-        error.chi_square,
-        error.floor_std,
-        error.motion_percent,
-        baseline.at_floor,
-        apart,
-        sigmas,
-        doubt or of_clock,
-    )
+    fit, error = baseline.stated(baseline.fit), errors_of(baseline)
+    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock)
 
 
 def farthest(methods: Sequence[Method]) -> tuple[str, float]:
@@ -127,9 +115,9 @@ def sigmas_apart(first: Estimate, other: Estimate) -> float:
 
 def judgement(found: Adequacy) -> str:
     """Say whether the values may be quoted."""
-    above = None if found.adequate else found.chi_square_std
-    left = residual_words(found.motion_percent, found.chi_square, above)
-    words = f"the identified model leaves {left} (noise alone: {floor_words(found.chi_square_std)})"
+    error = found.error
+    left = residual_words(error.motion_percent, error.chi_square, None if found.adequate else error.floor_std)
+    words = f"the identified model leaves {left} (noise alone: {floor_words(error.floor_std)})"
     if found.quotable:
         return f"{words}: its values may be quoted"
     apart = f"the two methods are {found.sigmas:.0f} standard errors apart in {found.apart}"

@@ -1,10 +1,10 @@
 """The uncertainty budget of a quoted value: readings and clock, calibration, mass, and their total (GUM)."""
 
 import math
-import re
 from dataclasses import dataclass
 
 from daq.recording import Recording
+from identify.clock_error import power_in
 from station.story.engineering_values import EngineeringValue
 from station.story.preparation import motion_channels
 
@@ -40,17 +40,9 @@ def budget(
     if bare is not None:
         readings = bare.std * abs(value.value / bare.value) if bare.value else bare.std
         mass = None if mass_share is None else abs(value.value) * mass_share
-    power = abs(power_of((bare or value).unit, length))
+    power = abs(power_in((bare or value).unit, {length: 1}))
     scale = 0.0 if power == 0 else None if calibration is None else power * calibration * abs(value.value)
     return Budget(readings, scale, mass)
-
-
-def power_of(unit: str, length: str) -> int:
-    """Count the power of a length in a unit as "1/(m^2 s^2)": -2 for "m"."""
-    above, _, below = unit.partition("/")
-    found = re.compile(rf"(?<![A-Za-z]){length}(?:\^(\d+))?(?![A-Za-z])")
-    counts = [sum(int(power or 1) for power in found.findall(part)) for part in (above, below)]
-    return counts[0] - counts[1]
 
 
 def calibration_of(recording: Recording, gain: float | None) -> float | None:

@@ -2,12 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from identify.comparison.compare import Comparison
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit
-from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.model_error import ModelError, errors_of, noise_percent
 from station.story.residual import residual_words
 
 
@@ -58,13 +55,4 @@ class Compared:
     @property
     def motion_floor(self) -> float:
         """The residual of noise alone, in % of the rms of the motion."""
-        return motion_floor(self.judged.fit)
-
-
-def motion_floor(fit: Fit) -> float:
-    """Return what noise alone leaves of the motion, in % of its rms; of coloured noise as much as in this residual."""
-    shares = []
-    for i, window in enumerate(fit.windows):
-        channel = window.channels[0]
-        shares.append(fit.noise(channel, i) ** 2 / np.var(window.readings[channel][window.used[channel]]))
-    return 100.0 * float(np.sqrt(np.mean(shares)))
+        return noise_percent(self.judged.fit)

@@ -37,7 +37,7 @@ _TIMES_INERTIA = {
 _NAMES = {
     LinearPart.STIFFNESS: "stiffness K",
     LinearPart.DRY_FRICTION: "friction force",
-    LinearPart.DAMPING: "viscous damping c",
+    LinearPart.DAMPING: "viscous damping μ₁",
 }
 
 
@@ -149,15 +149,12 @@ def _of_the_oscillation(fit: Fit) -> tuple[EngineeringValue, ...]:
         return (frequency,)
     zeta = mu_1.value / (2.0 * omega)
     zeta_std = math.hypot(mu_1.std / (2.0 * omega), zeta * omega_std / omega)
+    ratio = EngineeringValue("damping ratio (viscous part)", Estimate(zeta, zeta_std, "1"))
     if not abs(zeta) < 1.0:  # another spring carries the mass: the linear one alone would not oscillate
-        return (frequency, EngineeringValue("damping ratio (viscous part)", Estimate(zeta, zeta_std, "1")))
+        return (frequency, ratio)
     root = math.sqrt(1.0 - zeta * zeta)
     decrement = Estimate(2.0 * math.pi * zeta / root, 2.0 * math.pi * zeta_std / root**3, "1")
-    return (
-        frequency,
-        EngineeringValue("damping ratio (viscous part)", Estimate(zeta, zeta_std, "1")),
-        EngineeringValue("logarithmic decrement (viscous part)", decrement),
-    )
+    return (frequency, ratio, EngineeringValue("logarithmic decrement (viscous part)", decrement))
 
 
 def _linear(fit: Fit, part: LinearPart) -> Estimate | None:

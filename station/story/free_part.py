@@ -62,8 +62,7 @@ def free_from(decay: FreeDecay) -> tuple[int, str] | None:
 
 def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
     """Return the amplitude (n,) and the period in samples; None where fewer than four periods are seen."""
-    values = next(v for v in (decay.displacement, decay.velocity, decay.acceleration) if v is not None)
-    known = np.isfinite(values) & decay.valid
+    values, known = next(iter(decay.channels.values())), decay.known
     if np.count_nonzero(known) < 8:
         return None
     filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])

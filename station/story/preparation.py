@@ -7,13 +7,12 @@ from daq.recording import Channel, Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.prepared_decay import BESIDE_OTHERS, PreparedDecay, prepare
 from station.settings import Identify, Settings
 from station.story.engineering_values import Weighing
 
-MOTION = ("displacement", "velocity", "acceleration")
 DELAY_UNCERTAINTY = 0.15
 """Relative uncertainty of a stated delay: the resistors inside of sensors are good to 15 %."""
 
@@ -87,7 +86,7 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
     The first channel of each quantity is taken; a force is divided by the mass where that is
     known. Raises NotIdentifiable when no channel is a motion.
     """
-    channels = {name: recording.channel(name) for name in MOTION}
+    channels = {name: recording.channel(name) for name in CHANNELS}
     if all(values is None for values in channels.values()):
         present = ", ".join(channel.name for channel in recording.channels) or "none"
         raise NotIdentifiable(
@@ -113,12 +112,12 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
 def motion_channels(recording: Recording) -> dict[str, Channel]:
     """Find the first channel of each quantity that is a motion, by the quantity."""
     last_first = reversed(recording.channels)
-    return {channel.quantity: channel for channel in last_first if channel.quantity in MOTION}
+    return {channel.quantity: channel for channel in last_first if channel.quantity in CHANNELS}
 
 
 def length_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
-    units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
+    units = [channel.unit for channel in recording.channels if channel.quantity in CHANNELS]
     return units[0].split("/")[0] if units else "m"
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from identify.formatting import DASH, decimals_for, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
+from station.results.documents import picked
 from station.text.content import Table, Told, facts
 from station.text.numbers import probability, scale, typeset_unit, with_unit
 
@@ -161,9 +162,7 @@ def sessions_csv(document: CampaignDocument) -> str:
 
 def trends_csv(document: CampaignDocument) -> str:
     """Write every trend that was looked for, the likeliest first."""
-    return _written(
-        list(TREND), [{name: getattr(trend, name) for name in TREND} for trend in document.trends]
-    )
+    return _written(list(TREND), [picked(trend, *TREND) for trend in document.trends])
 
 
 def _cells(row: CampaignRow, conditions: list[str]) -> dict[str, Any]:
@@ -172,7 +171,7 @@ def _cells(row: CampaignRow, conditions: list[str]) -> dict[str, Any]:
     cells: dict[str, Any] = {"session": result.session, "made": row.made.isoformat()}
     cells |= {key: row.conditions.get(key) for key in conditions}
     cells |= {"amplitude": result.amplitude, "amplitude unit": result.unit}
-    cells |= {name: getattr(result, name) for name in ERRORS}
+    cells |= picked(result, *ERRORS)
     cells |= {"verdict": result.verdict, "named": " + ".join(result.named)}
     for name, found in result.parameters.items():
         unit = f" [{found.unit}]" if found.unit not in ("", "1") else ""

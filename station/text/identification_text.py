@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 from identify.estimate import Estimate
-from identify.formatting import DASH, plain_name, three_figures, with_error
+from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.identification import Identification
-from station.story.preparation import MOTION
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import damping_label, noise_scale, typeset, typeset_unit
+from station.text.numbers import noise_scale, typeset, typeset_unit
 from station.text.record_text import mass_words, sampling
 
 KINDS = {
@@ -39,7 +38,7 @@ def next_command(result: Identification) -> str:
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
     decay, release, found = result.decay, result.release, result.adequacy
-    names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
+    names = [*decay.channels, *(() if decay.force is None else ("force",))]
     sampled = sampling(len(decay), decay.rate, decay.rate_std)
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
@@ -57,7 +56,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 def noise_of(result: Identification) -> list[tuple[str, str]]:
     """List the channels with the rms of the noise of each, as the record alone shows it."""
     found = []
-    for name in MOTION:
+    for name in result.decay.channels:
         noise = getattr(result.decay, f"noise_{name}")
         if noise is not None:
             factor, unit = noise_scale(name, result.decay.unit, noise)
@@ -101,7 +100,7 @@ def methods_table(result: Identification, *, full: bool = False) -> Table:
             for method in both
         ]
         weighed = [result.weighing.strength(value) for value in values]
-        rows.append(_row(damping_label(order, result.weighing), weighed))
+        rows.append(_row(typeset(damping_name(order)), weighed))
     highest = {order for method in both if method is not None for order in method.stiffness_by_order}
     for order in sorted(highest - {1}):
         values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
@@ -151,4 +150,4 @@ def uncorrected(result: Identification) -> str:
     wrong = replace(right, value=right.value + found.stiffness_per_mass.value * aligned.lag.value)
     values = (weighing.strength(one) for one in (wrong, right))
     said = " instead of ".join(f"{one.value:.4g} {typeset_unit(one.unit)}" for one in values)
-    return f"the restoring force would have given {damping_label(1, weighing)} = {said}"
+    return f"the restoring force would have given {typeset(damping_name(1))} = {said}"

@@ -6,7 +6,7 @@ from pathlib import Path
 from identify.formatting import three_figures
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.engineering_values import Weighing
-from station.story.residual import floor_words, times
+from station.story.residual import floor_words, noise_multiple, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import change, typeset, with_unit
@@ -37,9 +37,8 @@ def steps_table(ladder: KeptLadder) -> Table:
     """Make the table of the steps, with what noise alone leaves at its end."""
     rows, marks = [], []
     for place, step in enumerate(ladder.steps):
-        before = ladder.steps[place - 1].error.times_noise if place else None
-        error = step.error
-        fell = change(before, error.times_noise) if place else ""
+        error, before = step.error, ladder.steps[max(place - 1, 0)].error
+        fell = change(noise_multiple(before.chi2), noise_multiple(error.chi2)) if place else ""
         rows.append(
             (str(place), step_words(step), three_figures(error.motion_percent), times(error.chi2), fell)
         )
@@ -63,8 +62,8 @@ def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing) ->
     """List the parameters that the step added, and those that it changed most, in standard errors of the fit before."""
     found = []
     weighed = {name: with_unit(value) for name, value in after.weighed(weighing).items()}
-    for name, value in after.parameters.items():
-        old = before.parameters.get(name)
+    for name, value in after.model.parameters.items():
+        old = before.model.parameters.get(name)
         if old is None:
             found.append((math.inf, f"{typeset(name)} = {weighed[name]}, new"))
             continue

@@ -5,8 +5,7 @@ import re
 from collections.abc import Mapping
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import DASH, SPACE, Estimated, damping_name, quantities, quantity
-from station.story.engineering_values import Weighing
+from identify.formatting import DASH, SPACE, Estimated, quantities, quantity
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -79,12 +78,6 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     """Return the factor on an energy per unit mass to the unit in which it is shown, and that unit: mJ, mJ/kg ..."""
     fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") else (1.0, "")
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
-
-
-def damping_label(order: int, weighing: Weighing) -> str:
-    """Name the damping of an order: by μ as in the paper, with a mass by c, which is the mass times μ."""
-    name = typeset(damping_name(order))
-    return name if weighing.mass is None else name.replace("μ", "c")
 
 
 # Typeset: raised powers, Greek letters, powers of ten.

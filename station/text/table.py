@@ -14,7 +14,7 @@ from station.results.documents import EstimateDocument
 from station.story.engineering_values import UNKNOWN, Weighing
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
-from station.text.numbers import damping_label, scale, typeset, typeset_unit
+from station.text.numbers import scale, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -44,9 +44,9 @@ class Tables:
     table_2: list[Row]
 
     @property
-    def columns(self) -> list[tuple[str, str]]:
-        """Table 1's columns: the name of a parameter and a method."""
-        return [(name, label) for name in self.units for label in METHODS]
+    def columns(self) -> dict[str, str]:
+        """Table 1's columns of parameters, as "K (WT)", with the unit of each."""
+        return {f"{name} ({label})": unit for name, unit in self.units.items() for label in METHODS}
 
     @property
     def doubt(self) -> str:
@@ -55,7 +55,7 @@ class Tables:
 
 
 def make_tables(documents: list[dict[str, Any]], *, plain: bool = False) -> Tables:
-    """Make both tables of identified sessions, which share their units; `plain` ones are for JSON, by mu_i per unit mass."""
+    """Make both tables of identified sessions, which share their units; mu_i in `plain` ones, for JSON, is per unit mass."""
     cells = [_cells_of(document, plain) for document in documents]
     units = {key.rpartition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
     units |= {"K": units.pop("K")} if units else {}
@@ -85,9 +85,8 @@ def _cells_of(document: dict[str, Any], plain: bool) -> dict[str, Row]:
         if method is not None:
             found[f"K ({label})"] = method["stiffness"]
             for order, one in enumerate(method["damping"]):
-                name = f"mu_{order}" if plain else damping_label(order, weighing).rpartition(" ")[2]
                 whole = weighing.strength(EstimateDocument.model_validate(one))
-                found[f"{name} ({label})"] = documents.plain(whole)
+                found[f"mu_{order} ({label})"] = documents.plain(whole)
     return found
 
 
@@ -102,14 +101,16 @@ def _mean(cells: list[Row | None]) -> Row | None:
 
 def told(tables: Tables) -> tuple[Table, ...]:
     """Tell both tables, a line a release, the second only of several; unquotable releases have a star."""
-    named = [
-        f"{typeset(name)} ({label}) [{typeset_unit(tables.units[name])}]" for name, label in tables.columns
-    ]
+    columns = tables.columns
+    named = [f"{typeset(name)} [{typeset_unit(unit)}]" for name, unit in columns.items()]
     rows = tuple(
-        (f"{row['session']}{'' if row['quotable'] else '*'}", _amplitude(row),
-         *(_cell(row[f"{name} ({label})"]) for name, label in tables.columns))
+        (
+            f"{row['session']}{'' if row['quotable'] else '*'}",
+            _amplitude(row),
+            *(_cell(row[c]) for c in columns),
+        )
         for row in tables.table_1
-    )  # fmt: skip
+    )
     head = ("release", "amplitude", *named)
     first = Table(
         "Table 1. Identified parameters (± one standard error) by wavelet (WT) and restoring force (RFS)",

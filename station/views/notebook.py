@@ -35,10 +35,9 @@ def _drawn(result: object) -> Picture:
 @_drawn.register
 def _free_decay(decay: FreeDecay) -> Picture:
     units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s²"}
-    present = [name for name in units if getattr(decay, name) is not None]
-    picture, axes = figure(PAPER, 1.7 * len(present) + 0.4, len(present), sharex=True)
-    for axis, name in zip(axes, present, strict=True):
-        axis.plot(decay.time, getattr(decay, name), color=MEASURED, linewidth=0.8)
+    picture, axes = figure(PAPER, 1.7 * len(decay.channels) + 0.4, len(decay.channels), sharex=True)
+    for axis, (name, values) in zip(axes, decay.channels.items(), strict=True):
+        axis.plot(decay.time, values, color=MEASURED, linewidth=0.8)
         axis.set_ylabel(literal(f"{name} [{units[name]}]"))
         if decay.start:
             axis.axvline(

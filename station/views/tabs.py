@@ -16,16 +16,13 @@ from station.views.palette import Look
 
 def capture(stream: rr.RecordingStream, look: Look, name: str, result: Identification) -> rrb.Container:
     """Show the channels as recorded (lost samples left out), the states of the mass, and the facts."""
-    decay = result.decay
-    kept = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
+    decay, kept = result.decay, result.decay.known
     views: list[rrb.View] = []
-    for channel, colour in palette.CHANNEL.items():
-        recorded = getattr(decay, channel)
-        if recorded is not None:
-            factor, unit = scale(channel, decay.unit)
-            title, shown = f"{channel.capitalize()} as recorded [{unit}]", np.where(kept, recorded, np.nan)
-            line = (title, shown * factor, colour, 1.5)
-            views.append(log.curves(stream, title, f"/capture/{channel}", decay.time, {"": line}))
+    for channel, recorded in decay.channels.items():
+        factor, unit = scale(channel, decay.unit)
+        title, shown = f"{channel.capitalize()} as recorded [{unit}]", np.where(kept, recorded, np.nan)
+        line = (title, shown * factor, palette.CHANNEL[channel], 1.5)
+        views.append(log.curves(stream, title, f"/capture/{channel}", decay.time, {"": line}))
     record = f"# {name}\n\n{markdown(told(name, result).brief[:1])}"
     return rrb.Horizontal(
         rrb.Vertical(*views, _states(stream, result), row_shares=[4.0] * len(views) + [1.2]),

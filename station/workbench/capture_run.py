@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
-from daq.rest_detection import primary, smallest_motion
-from daq.trigger import TIMES_NOISE, TIMES_RESOLUTION
+from daq.rest_detection import primary
+from daq.trigger import threshold
 from firmware_protocol import Hello
 from station.exits import sentence_of
 from station.operations.mystery import BOARD, SEEDS
@@ -88,12 +88,9 @@ class ScopeTrace:
         factor, unit = scale_as_recorded(channel.quantity, channel.unit)
         zero = noise = level = None
         if len(self._rest) >= 8:
-            zero, noise = factor * float(np.median(self._rest)), factor * float(np.std(self._rest))
-            asked = self._settings.trigger_level
-            level = factor * smallest_motion(channel, asked)
-            if asked is None:
-                resolution = factor * (channel.resolution or 0.0)
-                level = max(level, TIMES_NOISE * noise, TIMES_RESOLUTION * resolution)
+            scatter = float(np.std(self._rest))
+            zero, noise = factor * float(np.median(self._rest)), factor * scatter
+            level = factor * threshold(channel, scatter, self._settings.trigger_level)
         shown = _extremes(self._values)
         times, values = self._times[shown] - self._last, self._values[shown] * factor
         return Scope(

@@ -13,8 +13,9 @@ from daq.manifest import NAME as MANIFEST
 from daq.recording import Array
 from daq.session import Session, SessionSummary, State, list_sessions
 from daq.session_reading import RAW
+from identify.free_decay import CHANNELS
 from station.results.guide_document import NAME
-from station.story.preparation import MOTION, motion_channels
+from station.story.preparation import motion_channels
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench.view_models import Numbers
 
@@ -122,7 +123,7 @@ def thumbnail_of(folder: Path, stamp: int) -> tuple[str, Numbers, str]:
     if not recording.channels or recording.samples.shape[1] < 2:
         return "", [], "no samples"
     motions = motion_channels(recording)
-    channel = next((motions[name] for name in MOTION if name in motions), recording.channels[0])
+    channel = next((motions[name] for name in CHANNELS if name in motions), recording.channels[0])
     row = recording.channels.index(channel)
     values = np.where(recording.valid, recording.samples[row], np.nan)
     if not np.isfinite(values).any():

@@ -114,7 +114,7 @@ def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
     for name, true, unit in (
         ("stiffness K", MASS * truth["stiffness_per_mass"], "N/m"),
         ("friction force", MASS * truth["mu_0"], "N"),
-        ("viscous damping c", MASS * truth["mu_1"], "N s/m"),
+        ("viscous damping μ₁", MASS * truth["mu_1"], "N s/m"),
         ("natural frequency", omega / (2 * math.pi), "Hz"),
         ("damping ratio (viscous part)", zeta, "1"),
         ("logarithmic decrement (viscous part)", 2 * math.pi * zeta / math.sqrt(1 - zeta**2), "1"),
@@ -129,7 +129,7 @@ def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
 
 def test_a_bench_with_a_hidden_force_may_not_be_quoted(releases):
     judged = adequacy(releases["hidden"][0], base_model())
-    assert judged.chi_square > 10.0
+    assert judged.error.chi_square > 10.0
     assert not judged.quotable
     assert judgement(judged).endswith("do not quote its values")
 

@@ -45,7 +45,7 @@ def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch)
     works = [work_called(name) for name in (*names(3), "deadly", "faulty", *names(6)[3:])]
     found = {work.folder.name: answer for work, answer in performed(works, 2, deadly)}
     assert found.pop("deadly") == KILLED
-    assert found.pop("faulty") == "ZeroDivisionError: division by zero"
+    assert "ZeroDivisionError: division by zero" in found.pop("faulty")
     assert {name: answer.session for name, answer in found.items()} == {name: name for name in names(6)}
 
 
@@ -54,7 +54,8 @@ import multiprocessing, os, signal
 from many_sessions import slowly, work_called
 from station.campaign.workers import performed
 if __name__ == "__main__":
-    next(performed([work_called("first")], 1, slowly))
+    answers = performed([work_called("first"), work_called("second")], 1, slowly)
+    next(answers)
     print(multiprocessing.active_children()[0].pid, flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 """

@@ -63,7 +63,7 @@ def document(found: Confirmation, sessions: tuple[str, ...] = NAMES) -> Diagnosi
         | {"verdict": "missing_effect" if found.effects else "unconfirmed", "error": error}
         | {"named": list(found.names), "confirmed": list(found.names), "rivals": rivals}
         | {"confirmation": confirmation_document(found, sessions).plain()}
-        | {"noise_floor": {"chi2": 1.0, "chi2_std": 0.05, "channels": {}}}
+        | {"noise_floor": {"chi2_std": 0.05, "channels": {}}}
         | {"error_with_named": {"motion_percent": 1.16, "chi2": 366.0}}
         | {
             "suspects": [

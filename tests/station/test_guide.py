@@ -132,7 +132,7 @@ def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, mon
     assert run(["demo", "--guided", "5", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["state"] == "confirmed"
-    assert told["named"] == [told["hidden"]["hidden"]]
+    assert told["named"] == [told["hidden"]["effect"]]
     assert len(told["turns"]) > 1  # one release leaves the verdict open
     assert all(turn["asked"] for turn in told["turns"])
     last = told["turns"][-1]

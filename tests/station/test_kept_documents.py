@@ -62,7 +62,7 @@ def test_a_number_that_json_cannot_hold_is_null():
 def test_an_identification_keeps_what_was_found_and_what_was_not():
     found = replace(identification(), wavelet=None, refusals={"wavelet": "too short"})
     document = identification_document("one", found)
-    assert KeptIdentification.model_validate(document).chosen == ()
+    assert KeptIdentification.model_validate(document).effects == ()
     assert document["wavelet"] is None
     assert document["refusals"] == {"wavelet": "too short"}
     assert document["restoring_force"]["stiffness"]["value"] == found.restoring_force.stiffness.value

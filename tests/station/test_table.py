@@ -88,17 +88,17 @@ def test_json_has_both_tables_with_units(plain):
 
 
 def test_people_read_friction_and_damping_in_newtons_where_the_mass_is_known(tables, plain):
-    assert tables.units == {"c₀": "N", "c₁": "N s/m", "K": "N/m"}
-    assert tables.table_2[0]["c₀"]["mean"] == pytest.approx(21.36 * plain.table_2[0]["mu_0"]["mean"])
+    assert tables.units == {"mu_0": "N", "mu_1": "N s/m", "K": "N/m"}
+    assert tables.table_2[0]["mu_0"]["mean"] == pytest.approx(21.36 * plain.table_2[0]["mu_0"]["mean"])
     without = table.make_tables([document("a", 0.01, None, WT[0], RFS[0])])
-    assert without.units == {"μ₀": "m/s^2", "μ₁": "1/s", "K": "N/m"}
+    assert without.units == {"mu_0": "m/s^2", "mu_1": "1/s", "K": "N/m"}
 
 
 def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
     documents = [document("a", 0.01, 1.0, None, (0.1, 0.2, 100.0))]
     tables = table.make_tables(documents)
-    assert tables.table_1[0]["c₀ (WT)"] is None
-    assert tables.table_2[0] == {"method": "WT", "c₀": None, "c₁": None, "K": None}
+    assert tables.table_1[0]["mu_0 (WT)"] is None
+    assert tables.table_2[0] == {"method": "WT", "mu_0": None, "mu_1": None, "K": None}
     for text in (table.as_text(tables), table.as_latex(tables)):
         assert "100" in text
 

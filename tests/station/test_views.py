@@ -9,6 +9,7 @@ import rerun as rr
 from rerun.chunk import RrdReader
 from synthetic import LAG, MASS, OMEGA, RATE, VISCOUS, identification, restoring_force
 
+from identify.fitting.model_error import ModelError
 from identify.formatting import SPACE
 from identify.model.model import base_model
 from station.story.adequacy import Adequacy
@@ -158,11 +159,7 @@ def test_the_results_are_the_table_and_both_reconstructions(file, result):
 
 def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(result):
     poor = Adequacy(
-        SimpleNamespace(model=base_model()),
-        chi_square=229.0,
-        chi_square_std=0.05,
-        motion_percent=0.916,
-        adequate=False,
+        SimpleNamespace(model=base_model()), ModelError(11.8, 0.916, 8.0, 229.0, 0.05), adequate=False
     )
     found = told("one", replace(result, adequacy=poor))
     assert "0.916 % of the motion, 15.1 times the noise" in found.headline

@@ -81,7 +81,7 @@ def joint(effects, **numbers):
     }
     known = {"verdict": "missing_effect", "named": ["cubic_stiffness"], "error": {"chi2": 100.0}}
     known |= {"suspects": [suspect | {"model": None, "motion_percent": 1.0} | numbers]}
-    known |= {"noise_floor": {"chi2": 1.0, "chi2_std": 0.05, "channels": {}}}
+    known |= {"noise_floor": {"chi2_std": 0.05, "channels": {}}}
     return DiagnosisDocument.model_validate(
         refused_document(("one", "two"), Model(tuple(map(Term, map(find_effect, effects)))), "").plain()
         | known
