@@ -24,7 +24,7 @@ class BoardSample:
 def sample_board(port: str, seconds: float, rate_hz: float) -> BoardSample:
     """Sample the board at `port` for so many seconds of its own time, at `rate_hz` (0: its own rate).
 
-    Raises a StationError as a capture does; Stalled after 2 s without samples.
+    Raises a StationError as a capture does; LinkLost after 2 s without samples.
     """
     with Link(open_port(port)) as link:
         hello = link.handshake()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from daq.capture_settings import CaptureSettings
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.raw_log import MAX_LOG
 
 BOOT_S = 3.0
@@ -47,10 +47,10 @@ class Budget:
         return SPARE_BYTES + round(2 * self.rate * max(self.sample_bytes, 16) * seconds)
 
     def require(self) -> int:
-        """Return the most bytes that the log may take; SettingsError when full frames alone would not fit a session."""
+        """Return the most bytes that the log may take; OperatorError when full frames alone would not fit a session."""
         least = self.rate * self.sampling_s * self.sample_bytes * SMALLEST_OVERHEAD
         if least > MAX_LOG - SLACK_BYTES:
-            raise SettingsError(
+            raise OperatorError(
                 f"at {self.rate:g} Hz this capture may take {least / 1e9:.3g} GB in {self.sampling_s:g} s, more than"
                 f" the {MAX_LOG / 1e9:.3g} GB of a session; ask for a lower rate, or for shorter waits and duration"
             )

@@ -14,7 +14,7 @@ from daq.capture_settings import CaptureSettings
 from daq.capture_stream import CaptureStream
 from daq.decode import Assembly, Block
 from daq.description_checks import Window
-from daq.errors import DataLost, NoRelease, StationError
+from daq.errors import DataLost, OperatorError, StationError
 from daq.failover import FallbackFolder, SessionWriter
 from daq.integrity import lost_outside
 from daq.link import Link
@@ -143,7 +143,7 @@ class _Capture:
         place = self._settings.release_from
         assert place is not None
         if self._early is not None:
-            raise NoRelease(
+            raise OperatorError(
                 "the mass swung before the rig held it; nothing was moved. Let it come to rest first"
             )
         self._stream.state("holding", f"the rig takes the mass to {1e3 * place:g} mm")
@@ -173,7 +173,7 @@ class _Capture:
                     noise = trigger.rest.noise.tolist()
                     self._noise = {c.name: value for c, value in zip(self._channels, noise, strict=True)}
                     return trigger
-        raise NoRelease(
+        raise OperatorError(
             f"the mass did not come to rest within {_waited(settings.rest_timeout_s, began)}; hold it still, or"
             " give a larger trigger level"
         )
@@ -295,14 +295,14 @@ def _beside(assembly: Assembly) -> list[tuple[int, int]]:
     return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
 
 
-def _no_release(waited: str, by_rig: bool) -> NoRelease:
+def _no_release(waited: str, by_rig: bool) -> OperatorError:
     """Return the error of a release that was waited for in vain."""
     if by_rig:
-        return NoRelease(
+        return OperatorError(
             f"the rig let go, and no swing came within {waited}; what was received is kept. See whether its magnet grips,"
             " or give a smaller trigger level"
         )
-    return NoRelease(
+    return OperatorError(
         f"no release within {waited}; what was received is kept. Release the mass after arming, or give a smaller"
         " trigger level"
     )

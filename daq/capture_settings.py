@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.session_info import SessionInfo
 
 MIN_PRE_TRIGGER_S = 0.5
@@ -41,9 +41,9 @@ class CaptureSettings:
         _within("time to wait for a release", self.trigger_timeout_s, 0.1, 3600, "s")
         _within("limit of lost samples", self.lost_limit, 0, 1, "")
         if self.trigger_level is not None and not self.trigger_level > 0:
-            raise SettingsError(f"the trigger level must be positive, not {self.trigger_level:g}")
+            raise OperatorError(f"the trigger level must be positive, not {self.trigger_level:g}")
 
 
 def _within(what: str, value: float, low: float, high: float, unit: str) -> None:
     if not low <= value <= high:
-        raise SettingsError(f"the {what} must be {low:g} to {high:g} {unit}".rstrip() + f", not {value:g}")
+        raise OperatorError(f"the {what} must be {low:g} to {high:g} {unit}".rstrip() + f", not {value:g}")

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator
 
 from daq.decode import Block
-from daq.errors import ProtocolError, Rebooted, Stalled
+from daq.errors import BoardError, LinkLost
 from daq.link import GIVE_UP_S, WARN_S, Link, is_noisy
 from daq.observer import CaptureObserver
 from daq.recording import Gap
@@ -60,12 +60,12 @@ class CaptureStream:
         """Take what arrives next; raise when the board is silent, gone, rebooted or contradicts itself."""
         frame = self._link.take(0.05)
         if frame is not None and isinstance(frame.message, OtherVersion):
-            raise ProtocolError("the board changed its protocol version in mid-capture; reset it")
+            raise BoardError("the board changed its protocol version in mid-capture; reset it")
         if self._link.assembly.contradictions:
             what = self._link.assembly.contradictions[-1]
-            raise ProtocolError(f"{what}; {self._kept}, its firmware needs a correction")
+            raise BoardError(f"{what}; {self._kept}, its firmware needs a correction")
         if self._link.assembly.rebooted:
-            raise Rebooted(f"the board rebooted in mid-capture; {self._kept}. Check its supply")
+            raise LinkLost(f"the board rebooted in mid-capture; {self._kept}. Check its supply")
         self._watch_silence()
         blocks, self._blocks = self._blocks, []
         return blocks
@@ -77,7 +77,7 @@ class CaptureStream:
             self._hellos = 0
             return
         if silence > GIVE_UP_S:
-            raise Stalled(self._why_silent())
+            raise LinkLost(self._why_silent())
         if not self._hellos:
             self._observer.state(self._step, f"nothing came for {WARN_S:g} s")
         if silence > WARN_S * (self._hellos + 1):

@@ -22,24 +22,8 @@ class OperatorError(StationError):
     exit_code = 2
 
 
-class SettingsError(OperatorError):
-    """A setting is out of its range or contradicts another."""
-
-
-class SessionExists(OperatorError):
-    """The folder holds something already; nothing was overwritten."""
-
-
 class NotASession(OperatorError):
     """The folder is not a session."""
-
-
-class NoRelease(OperatorError):
-    """The station was armed (or waited for rest) and nothing came within the time set."""
-
-
-class CannotHold(OperatorError):
-    """The board was to hold and release the mass, and has no holder."""
 
 
 class PortError(StationError):
@@ -48,46 +32,14 @@ class PortError(StationError):
     exit_code = 3
 
 
-class NoBoard(PortError):
-    """Nothing is there, or nothing that answers as a board."""
-
-
-class SeveralBoards(PortError):
-    """More than one board answers and none was named."""
-
-
-class PortNotAllowed(PortError):
-    """What was named as a port is none; nothing was opened."""
-
-
 class PortBusy(PortError):
     """Another program has the port."""
-
-
-class PortForbidden(PortError):
-    """The port is there but this user may not open it."""
 
 
 class BoardError(StationError):
     """The board does something that it should not."""
 
     exit_code = 4
-
-
-class VersionRefused(BoardError):
-    """The board speaks another major version of the protocol."""
-
-
-class BoardRefused(BoardError):
-    """The board answered NACK."""
-
-
-class LetGo(BoardError):
-    """The rig let go of the mass, slowly, before it was told to release it."""
-
-
-class ProtocolError(BoardError):
-    """The board's messages contradict the protocol or each other."""
 
 
 class DataLost(StationError):
@@ -100,18 +52,6 @@ class LinkLost(StationError):
     """The connection ended before the recording did; what was received is kept."""
 
     exit_code = 6
-
-
-class Disconnected(LinkLost):
-    """The port went away."""
-
-
-class Stalled(LinkLost):
-    """The board is connected but silent."""
-
-
-class Rebooted(LinkLost):
-    """The board restarted in mid-capture: its sample index began again."""
 
 
 class StorageError(StationError):

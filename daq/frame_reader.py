@@ -3,7 +3,7 @@
 import queue
 import threading
 
-from daq.errors import Disconnected, ProtocolError, StationError
+from daq.errors import BoardError, LinkLost, StationError
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from firmware_protocol import Decoder, Frame, Statistics
@@ -40,7 +40,7 @@ class FrameReader:
     def take(self, timeout: float) -> tuple[float, Frame] | None:
         """Return the next frame and its time (s); None when none came within `timeout` s.
 
-        Raises Disconnected once everything that came before it was taken.
+        Raises LinkLost once everything that came before it was taken.
         """
         if self._failure is not None:
             raise self._failure
@@ -65,7 +65,7 @@ class FrameReader:
         except StationError as error:
             self._queue.put(error)
         except Exception as error:
-            self._queue.put(Disconnected(f"{self._port.name} cannot be read any more ({error})"))
+            self._queue.put(LinkLost(f"{self._port.name} cannot be read any more ({error})"))
 
     def read_once(self) -> int:
         """Take what the port has, log it and queue its frames; return how many bytes it was."""
@@ -75,7 +75,7 @@ class FrameReader:
             for frame in self._decoder.feed(data):
                 self._queue.put((when, frame))
             if self._log.size - self._begun > self.most_bytes:
-                raise ProtocolError(
+                raise BoardError(
                     f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than the request can"
                     " need; check baud rate and port, or the board's firmware"
                 )

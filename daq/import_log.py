@@ -6,7 +6,7 @@ from zlib import crc32
 import numpy as np
 
 from daq.description_checks import MAX_RATE, description_of
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.raw_log import Kind, RawLog
 from daq.recording import Recording, runs
 from firmware_protocol import Data, End, Hello, Message, SampleFormat, encode
@@ -19,12 +19,12 @@ CHUNK = 1 << 16
 def import_log(recording: Recording) -> RawLog:
     """Return a log whose decoding gives the same recording, sample for sample.
 
-    SettingsError when one message cannot describe the channels or the rate is out of the wire's range.
+    OperatorError when one message cannot describe the channels or the rate is out of the wire's range.
     """
     if not (isfinite(recording.rate) and 0 < recording.rate <= MAX_RATE):
-        raise SettingsError(f"a rate of {recording.rate:g} Hz cannot be stored; up to {MAX_RATE:g} Hz can")
+        raise OperatorError(f"a rate of {recording.rate:g} Hz cannot be stored; up to {MAX_RATE:g} Hz can")
     if not recording.valid.any():
-        raise SettingsError("the recording holds no valid sample; there is nothing to store")
+        raise OperatorError("the recording holds no valid sample; there is nothing to store")
     log = RawLog()
     log.append(Kind.RECEIVED, _introduction(recording))
     log.note(
@@ -43,7 +43,7 @@ def _introduction(recording: Recording) -> bytes:
         return hello + encode(description_of(recording.channels, recording.rate), 1)
     except ValueError as error:
         n = len(recording.channels)
-        raise SettingsError(f"{n} channels cannot be stored together: {error}") from error
+        raise OperatorError(f"{n} channels cannot be stored together: {error}") from error
 
 
 def _append(log: RawLog, recording: Recording) -> None:

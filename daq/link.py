@@ -12,12 +12,10 @@ from typing import Self
 from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
-    BoardRefused,
-    NoBoard,
-    ProtocolError,
-    Stalled,
+    BoardError,
+    LinkLost,
+    PortError,
     StationError,
-    VersionRefused,
 )
 from daq.frame_reader import FrameReader
 from daq.plain_text import one_line
@@ -94,7 +92,7 @@ class Link:
         """Return the next frame, having passed it through the assembly; None when none came in time.
 
         Frames of another stream than the first are not returned.
-        Raises Disconnected once everything that came before it was taken.
+        Raises LinkLost once everything that came before it was taken.
         """
         self.log.sync_if_due()
         if self.keep_alive and time.monotonic() - self._spoke >= ALIVE_S:
@@ -133,8 +131,8 @@ class Link:
     def handshake(self, seconds: float = HELLO_FOR_S) -> Hello:
         """Ask who is there until HELLO and DESCRIBE have come; stop a board that still samples.
 
-        VersionRefused for another major version, ProtocolError for a description that makes no sense,
-        NoBoard when nothing answers in time.
+        BoardError for another major version, or for a description that makes no sense,
+        PortError when nothing answers in time.
         """
         self._let_a_boot_loader_pass()
         until = time.monotonic() + seconds
@@ -160,11 +158,11 @@ class Link:
     def _understand(self, message: Message | OtherVersion) -> Hello | None:
         """Return HELLO once both it and DESCRIBE are there."""
         if isinstance(message, OtherVersion):
-            raise VersionRefused(_versions(f"{message.major}"))
+            raise BoardError(_versions(f"{message.major}"))
         if isinstance(message, Hello) and message.major != PROTOCOL_MAJOR:
-            raise VersionRefused(_versions(f"{message.major}.{message.minor}"))
+            raise BoardError(_versions(f"{message.major}.{message.minor}"))
         if isinstance(message, Describe) and self.assembly.description is None:
-            raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
+            raise BoardError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         described = self.assembly.description is not None
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
 
@@ -178,7 +176,7 @@ class Link:
     def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
         """Send a request until it is answered by ACK, or by what is as good (`also`).
 
-        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it sends other things.
+        BoardError on NACK or when the board sends other things, LinkLost when it fell silent.
         """
         sent: set[int] = set()
 
@@ -191,7 +189,7 @@ class Link:
     def _ask(
         self, message: Message, sent: set[int], done: Callable[[Message | OtherVersion], bool], seconds: float
     ) -> bool:
-        """Send a request once more and wait until it is `done`; False after so many seconds. BoardRefused on NACK."""
+        """Send a request once more and wait until it is `done`; False after so many seconds. BoardError on NACK."""
         sent.add(self.send(message))
         frame = self.wait(lambda m: done(m) or (isinstance(m, Nack) and _answers(m, message, sent)), seconds)
         if frame is not None and isinstance(frame.message, Nack) and _answers(frame.message, message, sent):
@@ -205,7 +203,7 @@ class Link:
         if self.wait(lambda message: isinstance(message, Describe), WARN_S) is None:
             self.handshake(GIVE_UP_S)
         if self.assembly.contradictions:
-            raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
+            raise BoardError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         if self.assembly.description is None:
             self.assembly.description = before
 
@@ -220,7 +218,7 @@ class Link:
         """End sampling and wait for END; asked for again when it was lost.
 
         A slow line may first have to carry what the board had sampled: while samples come it is waited for,
-        up to END_S. BoardRefused, Stalled and ProtocolError as in `request`.
+        up to END_S. BoardError and LinkLost as in `request`.
         """
         until = time.monotonic() + END_S
         sent: set[int] = set()
@@ -265,8 +263,8 @@ def _refused(request: Message, nack: Nack) -> StationError:
     what = type(request).__name__.upper()
     words = one_line(nack.text) or nack.code.name.replace("_", " ").lower()
     if nack.code == NackCode.UNSUPPORTED and isinstance(request, Config):
-        return BoardRefused(f"the board cannot do {request.rate_hz:g} Hz: {words}; ask for another rate")
-    return BoardRefused(f"the board refused {what}: {words}")
+        return BoardError(f"the board cannot do {request.rate_hz:g} Hz: {words}; ask for another rate")
+    return BoardError(f"the board refused {what}: {words}")
 
 
 def _versions(theirs: str) -> str:
@@ -279,16 +277,16 @@ def _versions(theirs: str) -> str:
 def _no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -> StationError:
     """Return the error for the handshake on `port` that `counts` tells of, after so many seconds.
 
-    NoBoard where nothing of a board came, ProtocolError where frames came whole.
+    PortError where nothing of a board came, BoardError where frames came whole.
     """
     sound = counts.frames + counts.malformed + counts.unknown
     if not counts.bytes:
-        return NoBoard(
+        return PortError(
             f"{port}: nothing answered within {seconds:g} s; is the board there and powered, and no other program using "
             "this port?"
         )
     if not sound:
-        return NoBoard(
+        return PortError(
             f"{port}: {counts.bytes} bytes came within {seconds:g} s, but no answer of a board;"
             " check baud rate and port"
         )
@@ -299,7 +297,7 @@ def _no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) 
         what += f"; {counts.malformed} frames are sound but not understood ({counts.why_malformed})"
     if counts.too_long:
         what += f"; {counts.too_long} were longer than a frame may be"
-    return ProtocolError(f"{port}: {what}. The line is good, the firmware needs a correction")
+    return BoardError(f"{port}: {what}. The line is good, the firmware needs a correction")
 
 
 def _unanswered(link: Link, request: Message) -> StationError:
@@ -307,13 +305,13 @@ def _unanswered(link: Link, request: Message) -> StationError:
     port, what, counts = link.port.name, type(request).__name__.upper(), link.statistics
     silent = link.silence() > WARN_S
     if silent and is_noisy(counts):
-        return Stalled(
+        return LinkLost(
             f"{port}: no answer to {what} came through the noise ({counts.damaged} damaged pieces so far);"
             " check cable, baud rate and what else speaks on this line"
         )
     if silent:
-        return Stalled(f"{port}: the board fell silent and did not answer {what}; reset it")
-    return ProtocolError(f"{port}: the board does not answer {what}; its firmware needs a correction")
+        return LinkLost(f"{port}: the board fell silent and did not answer {what}; reset it")
+    return BoardError(f"{port}: the board does not answer {what}; its firmware needs a correction")
 
 
 def is_noisy(counts: Statistics) -> bool:

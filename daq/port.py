@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import serial
 from serial.tools import list_ports as serial_list
 
-from daq.errors import Disconnected, NoBoard, PortBusy, PortError, PortForbidden
+from daq.errors import LinkLost, PortBusy, PortError
 from daq.port_names import require_port
 
 BAUD = 115200
@@ -25,7 +25,7 @@ BIGGEST_READ = 1 << 16
 class Port(Protocol):
     """Bytes in and out. `read` waits at most about 50 ms and returns what there is, perhaps nothing.
 
-    `read` and `write` raise Disconnected when the other side is gone.
+    `read` and `write` raise LinkLost when the other side is gone.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Port(Protocol):
         """Return the bytes that are there; b"" when none came within about 50 ms."""
 
     def write(self, data: bytes) -> None:
-        """Send all of `data` or raise Disconnected."""
+        """Send all of `data` or raise LinkLost."""
 
     def close(self) -> None:
         """Give the port back; harmless when done twice."""
@@ -62,8 +62,7 @@ def _plain(text: str | None) -> str:
 def open_port(name: str, baud: int = BAUD) -> Port:
     """Open a device, `socket://HOST:PORT` or `rfc2217://HOST:PORT` for this program alone.
 
-    PortNotAllowed for any other name, NoBoard when it is not there, PortBusy when another program has it,
-    PortForbidden without permission.
+    PortBusy when another program has it; PortError for any other name, when it is not there, and without permission.
     """
     require_port(name)
     until = time.monotonic() + (REOPEN_S if sys.platform == "win32" else 0.0)
@@ -103,7 +102,7 @@ def _why(name: str, error: Exception) -> PortError:
     if sys.platform == "win32" and "permissionerror" in text:
         return PortBusy(f"{name}: another program has this port; close it and try again")
     if code in (errno.EACCES, errno.EPERM) or "permission" in text:
-        return PortForbidden(
+        return PortError(
             f"{name}: you have no permission to open this port; join its group"
             " (`sudo usermod -aG dialout $USER`, then log in again)"
         )
@@ -112,10 +111,10 @@ def _why(name: str, error: Exception) -> PortError:
         or "no such file" in text
         or "could not find" in text
     ):
-        return NoBoard(f"{name}: there is no such port; plug the board in or list the ports")
+        return PortError(f"{name}: there is no such port; plug the board in or list the ports")
     if name.startswith("socket://"):
-        return NoBoard(f"{name}: nothing listens there; start the board or correct the address")
-    return NoBoard(f"{name}: cannot be opened as a port ({error})")
+        return PortError(f"{name}: nothing listens there; start the board or correct the address")
+    return PortError(f"{name}: cannot be opened as a port ({error})")
 
 
 class SerialPort:
@@ -129,7 +128,7 @@ class SerialPort:
     def read(self) -> bytes:
         """Return the bytes that are there; b"" when none came within about 50 ms.
 
-        Bytes that came before the port went away are returned; the next call raises Disconnected.
+        Bytes that came before the port went away are returned; the next call raises LinkLost.
         """
         try:
             data = bytes(self._device.read(1 if self._is_socket else self._waiting() or 1))
@@ -140,13 +139,11 @@ class SerialPort:
         return data
 
     def write(self, data: bytes) -> None:
-        """Send all of `data` or raise Disconnected."""
+        """Send all of `data` or raise LinkLost."""
         try:
             self._device.write(data)
         except serial.SerialTimeoutException as error:
-            raise Disconnected(
-                f"{self.name} took no bytes for {WRITE_TIMEOUT_S:g} s; check the cable"
-            ) from error
+            raise LinkLost(f"{self.name} took no bytes for {WRITE_TIMEOUT_S:g} s; check the cable") from error
         except GONE as error:
             raise self._gone(error) from error
 
@@ -183,8 +180,8 @@ class SerialPort:
             return bytes(handle.recv(BIGGEST_READ))
         return b""
 
-    def _gone(self, error: Exception) -> Disconnected:
-        return Disconnected(f"{self.name} went away; check cable and board ({_reason(error)})")
+    def _gone(self, error: Exception) -> LinkLost:
+        return LinkLost(f"{self.name} went away; check cable and board ({_reason(error)})")
 
 
 def _reason(error: Exception) -> str:

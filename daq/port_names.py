@@ -8,7 +8,7 @@ import os
 import stat
 from urllib.parse import parse_qs, urlsplit
 
-from daq.errors import NoBoard, PortNotAllowed
+from daq.errors import PortError
 
 NETWORK = ("socket", "rfc2217")
 OPTIONS = {"ign_set_control", "poll_modem", "timeout"}
@@ -43,9 +43,9 @@ def fault_of(name: str) -> str:
 
 
 def require_port(name: str) -> None:
-    """Raise PortNotAllowed for what is no port, NoBoard for a device's name under which there is none."""
+    """Raise PortError for what is no port, and for a device's name under which there is none."""
     if fault := fault_of(name):
-        raise PortNotAllowed(fault)
+        raise PortError(fault)
     if "://" in name or os.name == "nt":
         return
     try:
@@ -53,4 +53,4 @@ def require_port(name: str) -> None:
     except OSError:  # opening says why
         return
     if not is_device:
-        raise NoBoard(f"{name}: this is no device; plug the board in or list the ports")
+        raise PortError(f"{name}: this is no device; plug the board in or list the ports")

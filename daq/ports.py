@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from daq.errors import BoardError, NoBoard, SeveralBoards, StationError
+from daq.errors import BoardError, PortError, StationError
 from daq.link import Link
 from daq.port import Port, PortDescription, open_port, system_ports
 from daq.recording import Channel
@@ -57,7 +57,7 @@ def list_ports(
 
 
 def choose_port(name: str | None, candidates: Callable[[], tuple[Candidate, ...]] = list_ports) -> str:
-    """Return `name`, or without one the only port that answers; NoBoard or SeveralBoards otherwise."""
+    """Return `name`, or without one the only port that answers; PortError where none does, or several."""
     if name:
         return name
     found = candidates()
@@ -65,8 +65,8 @@ def choose_port(name: str | None, candidates: Callable[[], tuple[Candidate, ...]
     if len(answering) == 1:
         return answering[0]
     if answering:
-        raise SeveralBoards(f"{len(answering)} boards answer ({', '.join(answering)}); name one of them")
-    raise NoBoard(_nobody(found))
+        raise PortError(f"{len(answering)} boards answer ({', '.join(answering)}); name one of them")
+    raise PortError(_nobody(found))
 
 
 def _nobody(found: tuple[Candidate, ...]) -> str:

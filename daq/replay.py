@@ -3,7 +3,7 @@
 import time
 
 from daq.decode import Assembly, Block, play
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.import_log import FIRMWARE
 from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
@@ -17,10 +17,10 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
     """Show `observer` what it would have seen live and return the recording, which does not depend on the speed.
 
     `speed` times as fast as it came (0: as fast as possible); imports, which came at once, are paced by
-    their sample times. Pauses longer than 1 s are cut short. SettingsError for a negative speed.
+    their sample times. Pauses longer than 1 s are cut short. OperatorError for a negative speed.
     """
     if not 0 <= speed < float("inf"):
-        raise SettingsError(f"the speed must be 0 or more, not {speed:g}")
+        raise OperatorError(f"the speed must be 0 or more, not {speed:g}")
     assembly, described = Assembly(), False
     before: float | None = None
     for record, events in play(session.records(), assembly):

@@ -4,7 +4,7 @@ import time
 from contextlib import suppress
 
 from daq.budget import HOLD_FOR_S
-from daq.errors import CannotHold, LetGo, SettingsError, StationError
+from daq.errors import BoardError, OperatorError, StationError
 from daq.link import WARN_S, Link
 from firmware_protocol import NO_SAMPLE, HelloRequest, Hold, Holder, HolderReason, HolderState, Release, Stop
 
@@ -21,7 +21,7 @@ _WHY = {
 class Rig:
     """The holder of the board behind `link`, which has shaken hands.
 
-    CannotHold when the board has none. Everything that moves is the board's to allow: it refuses what is beyond its
+    OperatorError when the board has none. Everything that moves is the board's to allow: it refuses what is beyond its
     limits, and lets go slowly when it is told to stop or does not hear from the host. `take` of the link keeps it
     hearing while the mass is held.
     """
@@ -43,10 +43,10 @@ class Rig:
         return self.report.low, self.report.high
 
     def require(self, displacement: float) -> None:
-        """SettingsError for a displacement (m) beyond the limits."""
+        """OperatorError for a displacement (m) beyond the limits."""
         low, high = self.limits
         if not low <= displacement <= high:
-            raise SettingsError(
+            raise OperatorError(
                 f"{1e3 * displacement:g} mm is outside the range of this rig, {1e3 * low:g} to {1e3 * high:g} mm;"
                 " nothing was moved"
             )
@@ -54,7 +54,7 @@ class Rig:
     def hold(self, displacement: float, seconds: float = HOLD_FOR_S) -> None:
         """Take the mass, at rest, to a displacement (m) and return once it is held there.
 
-        SettingsError beyond the limits, BoardRefused on NACK, LetGo when the rig lets go on the way or does not arrive
+        OperatorError beyond the limits, BoardError on NACK, or when the rig lets go on the way or does not arrive
         in time: then it is told to stop.
         """
         self.require(displacement)
@@ -66,7 +66,7 @@ class Rig:
             self._require(state is HolderState.MOVING or self.report.ticket == ticket)
             if time.monotonic() > until:
                 self.stop()
-                raise LetGo(
+                raise BoardError(
                     f"the rig did not arrive at {1e3 * displacement:g} mm within {seconds:g} s and was told to stop;"
                     " nothing was released. Check what blocks it"
                 )
@@ -76,7 +76,7 @@ class Rig:
     def release(self) -> int | None:
         """Let go of the held mass; return the first sample taken after it, None when the board does not sample.
 
-        LetGo when the rig holds nothing any more, BoardRefused on NACK.
+        BoardError when the rig holds nothing any more, or on NACK.
         """
         self._require(self.report.state is HolderState.HELD)
         self._link.request(Release(self.report.ticket))
@@ -94,7 +94,7 @@ class Rig:
         if not holds:
             why = _WHY.get(self.report.reason, "for a reason that this station does not know")
             self._link.keep_alive = False
-            raise LetGo(f"the rig let go slowly before the release: {why}; nothing was released")
+            raise BoardError(f"the rig let go slowly before the release: {why}; nothing was released")
 
     def _fresh(self) -> Holder:
         """Ask for the newest ticket."""
@@ -104,7 +104,7 @@ class Rig:
                 return self.report
         hello = self._link.assembly.hello
         board = hello.board if hello is not None and hello.board else "the board"
-        raise CannotHold(
+        raise OperatorError(
             f"{self._link.port.name}: {board} has no holder, so this rig cannot release itself; leave the displacement"
             " out and release the mass by hand"
         )

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.errors import DataLost, SessionChanged, SettingsError, StorageError
+from daq.errors import DataLost, OperatorError, SessionChanged, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
@@ -62,7 +62,7 @@ class Session(SessionReader):
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
         """Make a new folder, lock it and let `log` write into it from its first record on.
 
-        SessionExists when the folder holds something, StorageError when the disk refuses.
+        OperatorError when the folder holds something, StorageError when the disk refuses.
         """
         folder = Path(folder)
         name = stored_name(info.name or folder.name)
@@ -96,7 +96,7 @@ class Session(SessionReader):
     ) -> Self:
         """Make a sealed session of a recording from elsewhere; samples are kept bit by bit as DATA frames.
 
-        `source` is the file it came from, `recipe` how it was read; both are kept. Errors as in `create`; SettingsError when
+        `source` is the file it came from, `recipe` how it was read; both are kept. Errors as in `create`; OperatorError when
         the recording has more channels than one message describes.
         """
         info = info or SessionInfo()
@@ -134,13 +134,13 @@ class Session(SessionReader):
             pass
 
     def update(self, **changes: Any) -> None:
-        """Change metadata; SettingsError when a value is out of range, SessionLocked as in `write_results`."""
+        """Change metadata; OperatorError when a value is out of range, SessionLocked as in `write_results`."""
         with self._writing() as begun:
             known = self.info if begun else read_info(self.folder)
             try:
                 self.info = SessionInfo.model_validate({**known.model_dump(), **changes})
             except ValidationError as error:
-                raise SettingsError(first_fault(error)) from error
+                raise OperatorError(first_fault(error)) from error
             self._change({INFO: _to_bytes(self.info)})
 
     def write_result(self, name: str, data: str | bytes) -> Path:
@@ -159,7 +159,7 @@ class Session(SessionReader):
         """
         for name in contents:
             if not is_plain_name(name) or "/" in name or "\\" in name:
-                raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
+                raise OperatorError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
         plain = {
             f"{RESULTS}/{name}": data.encode() if isinstance(data, str) else data
             for name, data in contents.items()

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
-from daq.errors import NotASession, NotWritable, SessionExists, SessionLocked, StorageError
+from daq.errors import NotASession, NotWritable, OperatorError, SessionLocked, StorageError
 
 TEMPORARY, LOCK = ".new", ".lock"
 LOOK_AGAIN_S = 0.02
@@ -36,14 +36,14 @@ def refused(path: Path, error: OSError) -> StorageError:
 
 
 def make_folder(folder: Path) -> bool:
-    """Make a new folder for a session and return whether it is new; SessionExists when it holds something already."""
+    """Make a new folder for a session and return whether it is new; OperatorError when it holds something already."""
     try:
         is_new = not folder.is_dir()
         folder.mkdir(parents=True, exist_ok=True)
         require_empty(folder)
         return is_new
     except FileExistsError as error:
-        raise SessionExists(f"{folder} is a file; name a new folder for the session") from error
+        raise OperatorError(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:
         raise refused(folder, error) from error
 
@@ -60,9 +60,9 @@ def discard(folder: Path) -> None:
 
 
 def require_empty(folder: Path) -> None:
-    """SessionExists when a folder holds anything but a lock."""
+    """OperatorError when a folder holds anything but a lock."""
     if any(path.name != Lock.NAME for path in folder.iterdir()):
-        raise SessionExists(f"{folder} holds something already; nothing was overwritten, name a new folder")
+        raise OperatorError(f"{folder} holds something already; nothing was overwritten, name a new folder")
 
 
 def require_space(folder: Path, spare: int) -> None:
@@ -114,7 +114,7 @@ def open_new(path: Path) -> int:
     try:
         return open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND)
     except FileExistsError as error:
-        raise SessionExists(f"{path} exists already; nothing was overwritten, name a new folder") from error
+        raise OperatorError(f"{path} exists already; nothing was overwritten, name a new folder") from error
     except OSError as error:
         raise refused(path, error) from error
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.errors import NoBoard, SettingsError
+from daq.errors import OperatorError, PortError
 from daq.importing.options import QUANTITIES
 from daq.importing.units import parse_scaled_unit
 from daq.recording import Array, Channel
@@ -27,7 +27,7 @@ class AudioInput:
         try:
             import sounddevice
         except (ImportError, OSError) as error:  # OSError: the library is there, PortAudio is not
-            raise NoBoard(
+            raise PortError(
                 f"a sound card needs the package sounddevice and PortAudio ({error}); install them with: "
                 "pip install 'free-decay-station[audio]'"
             ) from error
@@ -41,13 +41,13 @@ class AudioInput:
         self._count = 0
 
     def describe(self) -> SourceDescription:
-        """Return the channels; the card is asked whether it has them at this rate. Raises NoBoard where it has not."""
+        """Return the channels; the card is asked whether it has them at this rate. Raises PortError where it has not."""
         try:
             self._library.check_input_settings(
                 device=self._device, channels=len(self._channels), samplerate=self._rate
             )
         except Exception as error:
-            raise NoBoard(
+            raise PortError(
                 f"the sound card does not give {len(self._channels)} inputs at {self._rate:g} Hz: {error}"
             ) from error
         remarks = (
@@ -98,14 +98,14 @@ class AudioInput:
 
 def _channels(units: Mapping[str, str]) -> tuple[tuple[Channel, ...], list[float]]:
     if not units:
-        raise SettingsError(
+        raise OperatorError(
             "say what the input measures and what its full scale is, as --unit acceleration='95 m/s^2'"
         )
     channels, scales = [], []
     for quantity, text in units.items():
         unit = parse_scaled_unit(text)
         if quantity not in QUANTITIES[1:] or unit is None or unit.quantity != quantity:
-            raise SettingsError(
+            raise OperatorError(
                 f"--unit {quantity}={text}: say a {', '.join(QUANTITIES[1:])} and its full scale with a unit"
             )
         channels.append(Channel(quantity, quantity, unit.si, low=-unit.scale, high=unit.scale))

@@ -4,7 +4,7 @@ import os
 import time
 from pathlib import Path
 
-from daq.errors import Disconnected, NoBoard, PortForbidden
+from daq.errors import LinkLost, PortError
 
 WAIT_S = 0.03
 BIGGEST_READ = 1 << 16
@@ -18,17 +18,17 @@ class GrowingFile:
         try:
             self._file = path.open("rb", buffering=0)
         except FileNotFoundError as error:
-            raise NoBoard(f"{path}: there is no such file") from error
+            raise PortError(f"{path}: there is no such file") from error
         except OSError as error:
-            raise PortForbidden(f"{path}: cannot be read ({error.strerror or error})") from error
+            raise PortError(f"{path}: cannot be read ({error.strerror or error})") from error
         self._file.seek(0, os.SEEK_END)
 
     def read(self) -> bytes:
-        """Return the bytes added since; b"" for none. Raises Disconnected where the file became shorter."""
+        """Return the bytes added since; b"" for none. Raises LinkLost where the file became shorter."""
         data = self._file.read(BIGGEST_READ) or b""
         if not data:
             if os.fstat(self._file.fileno()).st_size < self._file.tell():
-                raise Disconnected(
+                raise LinkLost(
                     f"{self.name}: the file was cut off while it was read; what came before is kept"
                 )
             time.sleep(WAIT_S)

@@ -8,7 +8,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.importing.columns import INDEX, meaning, words
 from daq.importing.options import QUANTITIES, ask
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
@@ -99,13 +99,13 @@ def find_format(
 
     `columns` maps time, counter, displacement, velocity, acceleration, force to a column's name or number ("none"
     leaves it out), and "unused" to one that is none of them, `units` a quantity to its unit or its scale with a unit
-    ("0.0049 mm"). Raises SettingsError where no column is a motion, a unit is not known, or a comma may be a column's end or
+    ("0.0049 mm"). Raises OperatorError where no column is a motion, a unit is not known, or a comma may be a column's end or
     a decimal comma; the message lists what comes.
     """
     wanted = {quantity: str(column) for quantity, column in (columns or {}).items()}
     for name in (*wanted, *(units or {})):
         if name not in (*QUANTITIES, COUNTER, UNUSED):
-            raise SettingsError(
+            raise OperatorError(
                 f"'{name}' is no quantity; there are {', '.join((*QUANTITIES, COUNTER, UNUSED))}"
             )
     lines = _Lines(sample, wanted, units or {})
@@ -129,7 +129,7 @@ def describe_columns(sample: Sample) -> str:
 
 
 def _refuse_decimal_commas(sample: Sample, clock: str | None, used: Sequence[str]) -> None:
-    """Raise SettingsError where each second column may be the decimals of the one before it: nothing else reads it."""
+    """Raise OperatorError where each second column may be the decimals of the one before it: nothing else reads it."""
     fields = dict(zip(sample.columns, sample.text.split(","), strict=False))
     fields.pop(clock or "", None)
     whole, decimals = list(fields.values())[::2], list(fields)[1::2]
@@ -142,7 +142,7 @@ def _refuse_decimal_commas(sample: Sample, clock: str | None, used: Sequence[str
     if all(text.strip().lstrip("+-").isdecimal() for text in whole) and all(
         fields[c].isdecimal() for c in decimals
     ):
-        raise SettingsError(
+        raise OperatorError(
             f"'{sample.text[:40]}' may be {len(decimals)} with a decimal comma or {len(fields)} columns, each second one"
             f" unused; print a decimal point, or say that they are columns, as {ask(UNUSED, decimals[0])}"
         )
@@ -165,7 +165,7 @@ class _Lines:
             return at[name]
         if name.isdigit() and 1 <= int(name) <= len(columns):
             return columns[int(name) - 1]
-        raise SettingsError(
+        raise OperatorError(
             f"{quantity}: there is no column '{name}'; what comes is {describe_columns(self._sample)}"
         )
 
@@ -188,7 +188,7 @@ class _Lines:
                 LineChannel(column=column, name=name, quantity=quantity, unit=unit.si, scale=unit.scale)
             )
         if not any(m.quantity != "force" for m in motions):
-            raise SettingsError(
+            raise OperatorError(
                 f"no column is known to be a motion; what comes is {describe_columns(self._sample)}. Say which one is, as "
                 "--column displacement=2 --unit displacement='0.005 mm' (what one count is)"
             )
@@ -219,7 +219,7 @@ class _Lines:
         if given is not None:
             unit = parse_scaled_unit(given)
             if unit is None or unit.si != "s":
-                raise SettingsError(f"time: '{given}' is no unit of time; say s, ms or us")
+                raise OperatorError(f"time: '{given}' is no unit of time; say s, ms or us")
             scale = unit.scale
         elif said.unit is not None and said.unit.quantity == "time":
             scale = said.unit.scale
@@ -230,7 +230,7 @@ class _Lines:
             plain_counter = set(words(self._header(column))) & INDEX and _counts(values)
             scale = fits[0] if fits and not (plain_counter and not asked) else None
         if scale is None and asked:
-            raise SettingsError(f"time: the unit of column '{column}' is not known; say --unit time=ms")
+            raise OperatorError(f"time: the unit of column '{column}' is not known; say --unit time=ms")
         if scale is None or not (asked or rises):
             return None
         return LineClock(kind="stamps", column=column, scale=scale)
@@ -241,13 +241,13 @@ def _unit(quantity: str, header: str, given: str | None) -> Unit:
     if given is not None:
         unit = parse_scaled_unit(given)
         if unit is None or unit.quantity not in (quantity, None):
-            raise SettingsError(
+            raise OperatorError(
                 f"{quantity}: '{given}' is no unit of a {quantity}; say mm, deg, g, or '0.005 mm'"
             )
         return unit if unit.quantity else Unit(unit.scale, unit.si, quantity)
     if said.unit is not None and said.unit.quantity == quantity:
         return said.unit
-    raise SettingsError(
+    raise OperatorError(
         f"{quantity}: the unit of column '{header}' is not known; say it, as --unit {quantity}=mm, or what one count "
         f"is, as --unit {quantity}='0.005 {(SI_ANGULAR if said.angular else SI_LINEAR)[quantity].si}'"
     )
@@ -260,9 +260,9 @@ def _counts(values: Array) -> bool:
 
 
 def profile_file(name: str, folder: Path) -> Path:
-    """Return the file of a profile. Raises SettingsError for a name that cannot be a file's."""
+    """Return the file of a profile. Raises OperatorError for a name that cannot be a file's."""
     if not re.fullmatch(r"[\w.-]{1,64}", name) or name.startswith("."):
-        raise SettingsError(f"'{name}' is no name of a profile; use letters, digits, dots and dashes")
+        raise OperatorError(f"'{name}' is no name of a profile; use letters, digits, dots and dashes")
     return folder / f"{name}.json"
 
 
@@ -275,11 +275,11 @@ def save_profile(form: LineFormat, name: str, folder: Path) -> Path:
 
 
 def load_profile(name: str, folder: Path) -> LineFormat:
-    """Return a profile. Raises SettingsError where there is none, or it is damaged; the message lists those there are."""
+    """Return a profile. Raises OperatorError where there is none, or it is damaged; the message lists those there are."""
     file = profile_file(name, folder)
     if not file.is_file():
         there = ", ".join(sorted(f.stem for f in folder.glob("*.json"))) or "none"
-        raise SettingsError(
+        raise OperatorError(
             f"there is no profile '{name}' in {folder} (there: {there}); make one with `station profile`"
         )
     try:
@@ -288,6 +288,6 @@ def load_profile(name: str, folder: Path) -> LineFormat:
         return LineFormat.model_validate_json(file.read_bytes())
     except (ValidationError, ValueError) as error:
         what = first_fault(error) if isinstance(error, ValidationError) else str(error)
-        raise SettingsError(
+        raise OperatorError(
             f"{file}: is no profile of lines ({what}); make it again with `station profile`"
         ) from error

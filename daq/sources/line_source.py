@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from daq.clock import fit_arrivals, fit_clock
-from daq.errors import BoardError, NoBoard, ProtocolError, Stalled
+from daq.errors import BoardError, LinkLost, PortError
 from daq.port import Port
 from daq.recording import Array
 from daq.sources.line_format import LineFormat, Sample
@@ -116,14 +116,14 @@ class LineSource:
             return line
         self._unread += 1
         if self._unread > MOST_UNREAD:
-            raise ProtocolError(
+            raise BoardError(
                 f"{self._port.name}: {self._unread} lines do not have the form of the first, such as '{text[:40]}'; what "
                 "came before is kept"
             )
         return None
 
     def _listen(self, seconds: float) -> Sample:
-        """Return the lines of some seconds. Raises NoBoard where nothing comes, BoardError where it is no numbers."""
+        """Return the lines of some seconds. Raises PortError where nothing comes, BoardError where it is no numbers."""
         began = time.monotonic()
         last = began
         lines: list[tuple[float, dict[str, float]]] = []
@@ -163,10 +163,10 @@ class LineSource:
                 "board prints"
             )
         if count:
-            return Stalled(
+            return LinkLost(
                 f"{name}: only {count} lines came; the board must print all the time, a line a sample"
             )
-        return NoBoard(f"{name}: no line came in {QUIET_S:g} s; check cable, port and baud rate (--baud)")
+        return PortError(f"{name}: no line came in {QUIET_S:g} s; check cable, port and baud rate (--baud)")
 
     def _found_rate(self) -> tuple[float, float]:
         """Return the rate and its standard error, Hz: from stamps, as given, or by the arrival of lines."""
@@ -186,7 +186,7 @@ class LineSource:
         late = slice(len(number) // 8, None)  # what lay in a buffer came at once
         found = fit_arrivals(number[late].astype(int).tolist(), arrivals[late].tolist())
         if found is None or not np.isfinite(found.std):
-            raise ProtocolError(f"{self._port.name}: the lines come too unevenly to tell a rate; give --rate")
+            raise BoardError(f"{self._port.name}: the lines come too unevenly to tell a rate; give --rate")
         return found.rate, found.std
 
     def _whose_rate(self) -> str:
@@ -209,14 +209,14 @@ def _rate_of(times: Array) -> tuple[float, float]:
     step = np.diff(times)
     typical = float(np.median(step[step > 0])) if (step > 0).any() else 0.0
     if not typical > 0:
-        raise ProtocolError("the time stamps do not rise; name another column, as --column time=1")
+        raise BoardError("the time stamps do not rise; name another column, as --column time=1")
     ones = step[
         (step > 0.5 * typical) & (step < 1.5 * typical)
     ]  # stamps in whole ms alternate between two steps
     placed = StampedIndex(1.0 / float(np.mean(ones)), np.inf)
     found = fit_clock([placed.next(stamp)[0] for stamp in times], times.tolist())
     if found is None:
-        raise ProtocolError("the time stamps are too few or rise too unevenly to tell a rate; give --rate")
+        raise BoardError("the time stamps are too few or rise too unevenly to tell a rate; give --rate")
     return found.rate, found.std
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.port import BAUD, Port, open_port
 from daq.sources.audio_input import AudioInput
 from daq.sources.growing_file import GrowingFile
@@ -28,12 +28,12 @@ class LineOptions:
     baud: int | None = None
 
     def decide(self, sample: Sample) -> LineFormat:
-        """Return the format of lines that were listened to. Raises SettingsError where a profile does not fit them."""
+        """Return the format of lines that were listened to. Raises OperatorError where a profile does not fit them."""
         if self.form is None:
             return find_format(sample, self.columns, self.units, self.rate_hz)
         missing = [c for c in self.form.columns if c not in sample.columns]
         if missing:
-            raise SettingsError(
+            raise OperatorError(
                 f"the lines have no column {', '.join(missing)}, which the profile names; they have "
                 f"{', '.join(sample.columns)}"
             )
@@ -61,19 +61,19 @@ def open_source(text: str, options: LineOptions) -> Source:
     file, _, name = text.rpartition(":")
     path = Path(file)
     if not name.isidentifier() or path.suffix != ".py" or not path.is_file():
-        raise SettingsError(f"'{text}' is no source; say audio, audio:DEVICE or FILE.py:CLASS")
+        raise OperatorError(f"'{text}' is no source; say audio, audio:DEVICE or FILE.py:CLASS")
     try:
         made = runpy.run_path(str(path), run_name=f"source_{path.stem}").get(name)
     except Exception as error:
-        raise SettingsError(f"{path}: {type(error).__name__}: {error}") from error
+        raise OperatorError(f"{path}: {type(error).__name__}: {error}") from error
     if made is None:
-        raise SettingsError(f"{path}: has no class {name}")
+        raise OperatorError(f"{path}: has no class {name}")
     found: Source = made()
     lacking = [
         call for call in ("describe", "start", "read", "close") if not callable(getattr(found, call, None))
     ]
     if lacking:
-        raise SettingsError(
+        raise OperatorError(
             f"{path}: {name} lacks {', '.join(lacking)}; a source has describe, start, read and close"
         )
     return found

@@ -44,7 +44,7 @@ class Reading:
 
 
 class Source(Protocol):
-    """Gives samples at an even rate. `read` raises Disconnected of `daq.errors` when the device is gone."""
+    """Gives samples at an even rate. `read` raises LinkLost of `daq.errors` when the device is gone."""
 
     def describe(self) -> SourceDescription:
         """Describe what the source gives; called once, before `start`, and may listen for some seconds."""

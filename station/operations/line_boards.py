@@ -30,7 +30,7 @@ def board_behind(
     """Make the function that opens the board for each release: its port, or a source behind an adapter.
 
     The board speaks the protocol unless it prints `lines`, has a `profile`, or is another `source`; `told` is what the
-    operator said of it. Raises UsageProblem where that is a contradiction, SettingsError for a profile that is not there.
+    operator said of it. Raises UsageProblem where that is a contradiction, OperatorError for a profile that is not there.
     """
     named, by_lines = port or settings.capture.port, lines or profile is not None
     if by_lines and source is not None:

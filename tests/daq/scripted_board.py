@@ -7,7 +7,7 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.errors import Disconnected
+from daq.errors import LinkLost
 from firmware_protocol import (
     TYPE_OF,
     Ack,
@@ -159,7 +159,7 @@ class ScriptedBoard:
             if self.unplugged_at is not None and first >= self.unplugged_at:
                 if self._out:  # what left the board before the cable did arrives
                     return
-                raise Disconnected("scripted went away; check cable and board")
+                raise LinkLost("scripted went away; check cable and board")
             if self.reboots_at is not None and first >= self.reboots_at:
                 self.hello = Hello(boot_id=8, clock_hz=1_000_000, board="scripted")
                 self._started = None

@@ -10,7 +10,7 @@ from scripted_board import ScriptedBoard, decay
 from daq.budget import Budget
 from daq.capture import CaptureSettings, capture
 from daq.decode import MAX_MISSING
-from daq.errors import DataLost, NoBoard, ProtocolError, SettingsError, Stalled
+from daq.errors import BoardError, DataLost, LinkLost, OperatorError, PortError
 from daq.frame_reader import MOST_BYTES
 from daq.importing import limits
 from daq.link import Link
@@ -85,7 +85,7 @@ class Babbling:
 
 def test_noise_is_read_up_to_a_limit() -> None:
     board = Babbling()
-    with Link(board) as link, pytest.raises(ProtocolError, match=r"more than 4 MB came.*check baud rate"):
+    with Link(board) as link, pytest.raises(BoardError, match=r"more than 4 MB came.*check baud rate"):
         link.handshake()
     assert board.taken < 6e6
 
@@ -116,14 +116,14 @@ def malformed() -> bytes:
 @pytest.mark.parametrize(
     ("frames", "error", "words"),
     [
-        ((malformed(),), ProtocolError, r"sound but not understood \(type 0x85: DATA holds fewer samples"),
-        ((encode(Hello(1, 1), 0),), ProtocolError, "says HELLO and does not describe its channels"),
+        ((malformed(),), BoardError, r"sound but not understood \(type 0x85: DATA holds fewer samples"),
+        ((encode(Hello(1, 1), 0),), BoardError, "says HELLO and does not describe its channels"),
         (
             (encode(HelloRequest(), 0),),
-            ProtocolError,
+            BoardError,
             "frames came whole within 0.1 s, and none was the HELLO",
         ),
-        ((b"Temperature: 21.5\r\n",), NoBoard, "no answer of a board; check baud rate"),
+        ((b"Temperature: 21.5\r\n",), PortError, "no answer of a board; check baud rate"),
     ],
 )
 def test_what_is_sound_and_not_understood_is_not_put_down_to_the_line(
@@ -138,13 +138,13 @@ def test_a_capture_that_no_session_could_hold_is_refused_before_start(tmp_path: 
     settings = CaptureSettings(duration_s=3600, trigger_timeout_s=3600)
     most = Budget(settings, 256.0, 16)
     assert most.require() < 1 << 29
-    with pytest.raises(SettingsError, match=r"at 50000 Hz this capture may take 6.25 GB .*lower rate"):
+    with pytest.raises(OperatorError, match=r"at 50000 Hz this capture may take 6.25 GB .*lower rate"):
         Budget(settings, 50_000.0, 16).require()
     board.description = type(board.description)(
         board.description.format,
         tuple(type(c)(c.name, c.quantity, c.unit, 1.0, 0.0, 50_000.0) for c in board.description.channels),
     )
-    with pytest.raises(SettingsError):
+    with pytest.raises(OperatorError):
         capture(board, settings, tmp_path / "s")
     assert board.sent == 0
     assert not (tmp_path / "s").exists()
@@ -171,7 +171,7 @@ def test_an_answer_lost_in_noise_is_put_down_to_the_line(monkeypatch: pytest.Mon
         link.handshake()
         board.read = noise  # type: ignore[method-assign]
         time.sleep(0.05)  # what the reader had begun to read is over
-        with pytest.raises(Stalled, match="no answer to STOP came through the noise"):
+        with pytest.raises(LinkLost, match="no answer to STOP came through the noise"):
             link.request(Stop())
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from daq import link as link_module
-from daq.errors import ProtocolError
+from daq.errors import BoardError
 from daq.link import Link
 from daq.port import may_have_reset_the_board, open_port
 from firmware_protocol import Heartbeat, encode
@@ -33,7 +33,7 @@ class BootingPort:
 def test_nothing_is_sent_before_the_first_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(link_module, "may_have_reset_the_board", lambda port: True)
     port = BootingPort()
-    with Link(port) as link, pytest.raises(ProtocolError, match="none was the HELLO"):
+    with Link(port) as link, pytest.raises(BoardError, match="none was the HELLO"):
         link.handshake(0.1)
     assert port.written_after
     assert min(port.written_after) >= 4

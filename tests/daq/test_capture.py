@@ -8,16 +8,11 @@ from scripted_board import RATE, RELEASE, ScriptedBoard, decay
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import (
-    BoardRefused,
+    BoardError,
     DataLost,
-    Disconnected,
-    NoBoard,
-    NoRelease,
-    ProtocolError,
-    Rebooted,
-    SessionExists,
-    SettingsError,
-    Stalled,
+    LinkLost,
+    OperatorError,
+    PortError,
     StorageError,
 )
 from daq.link import Link
@@ -135,7 +130,7 @@ def test_a_damaged_frame_costs_that_frame_only(tmp_path: Path) -> None:
 def test_a_silent_board_is_announced_and_then_given_up(tmp_path: Path) -> None:
     board, witness = ScriptedBoard(SAMPLES), Witness()
     board.silent_from = 1600
-    with pytest.raises(Stalled, match="silent for 2 s; what was received is kept"):
+    with pytest.raises(LinkLost, match="silent for 2 s; what was received is kept"):
         capture(board, SETTINGS, tmp_path / "s", witness)
     assert witness.details[-1] == "nothing came for 0.5 s"
     session = Session.open(tmp_path / "s")
@@ -148,7 +143,7 @@ def test_a_silent_board_is_announced_and_then_given_up(tmp_path: Path) -> None:
 def test_an_unplugged_board_leaves_what_was_received(tmp_path: Path) -> None:
     board = ScriptedBoard(SAMPLES)
     board.unplugged_at = 1600
-    with pytest.raises(Disconnected) as caught:
+    with pytest.raises(LinkLost) as caught:
         capture(board, SETTINGS, tmp_path / "s")
     assert caught.value.exit_code == 6
     assert np.array_equal(Session.open(tmp_path / "s").recording().samples, SAMPLES[:, 445:1600])
@@ -157,7 +152,7 @@ def test_an_unplugged_board_leaves_what_was_received(tmp_path: Path) -> None:
 def test_a_reboot_is_seen_though_the_board_does_not_greet(tmp_path: Path) -> None:
     board = ScriptedBoard(SAMPLES)
     board.reboots_at = 1600
-    with pytest.raises(Rebooted, match="rebooted in mid-capture"):
+    with pytest.raises(LinkLost, match="rebooted in mid-capture"):
         capture(board, SETTINGS, tmp_path / "s")
     recording = Session.open(tmp_path / "s").recording()
     assert recording.gaps == (Gap(1600 - 445, 445 + 2304 - 1600, "reboot"),)
@@ -166,7 +161,7 @@ def test_a_reboot_is_seen_though_the_board_does_not_greet(tmp_path: Path) -> Non
 def test_a_trigger_that_never_comes_ends_with_a_clear_message(tmp_path: Path) -> None:
     still = decay(release=1e9)
     settings = CaptureSettings(trigger_timeout_s=5.0, check_clock=False)
-    with pytest.raises(NoRelease, match="no release within 5 s"):
+    with pytest.raises(OperatorError, match="no release within 5 s"):
         capture(ScriptedBoard(still), settings, tmp_path / "s")
     assert Session.open(tmp_path / "s").info.state is State.ABORTED
 
@@ -175,7 +170,7 @@ def test_a_mass_that_never_rests_ends_with_a_clear_message(tmp_path: Path) -> No
     t = np.arange(9000) / RATE
     sway = np.array([0.02 * np.sin(t) + 0.004 * t, -0.02 * np.sin(t)])
     settings = CaptureSettings(rest_timeout_s=3.0, check_clock=False)
-    with pytest.raises(NoRelease, match="did not come to rest"):
+    with pytest.raises(OperatorError, match="did not come to rest"):
         capture(ScriptedBoard(sway), settings, tmp_path / "s")
 
 
@@ -206,7 +201,7 @@ def test_a_request_that_gets_lost_is_sent_again(tmp_path: Path, request_type: ty
 def test_a_refusal_is_reported_in_the_words_of_the_board(tmp_path: Path) -> None:
     board = ScriptedBoard(SAMPLES)
     board.refuse = {Config: Nack(0, 0, NackCode.UNSUPPORTED, "100 or 200 Hz only")}
-    with pytest.raises(BoardRefused, match="cannot do 256 Hz: 100 or 200 Hz only"):
+    with pytest.raises(BoardError, match="cannot do 256 Hz: 100 or 200 Hz only"):
         capture(board, SETTINGS, tmp_path / "s")
     assert not (tmp_path / "s").exists()
 
@@ -217,21 +212,21 @@ def test_a_port_at_which_nothing_answers_is_given_up(tmp_path: Path, monkeypatch
             pass
 
     monkeypatch.setattr(Link, "handshake", partialmethod(Link.handshake, 0.5))
-    with pytest.raises(NoBoard, match=r"nothing answered within 0.5 s"):
+    with pytest.raises(PortError, match=r"nothing answered within 0.5 s"):
         capture(Mute(SAMPLES), SETTINGS, tmp_path / "s")
 
 
 def test_a_board_that_contradicts_itself_is_stopped(tmp_path: Path) -> None:
     board = ScriptedBoard(SAMPLES)
     board.description = type(board.description)(board.description.format, board.description.channels[:1])
-    with pytest.raises(ProtocolError, match="samples of 2 channels, but 1 were described"):
+    with pytest.raises(BoardError, match="samples of 2 channels, but 1 were described"):
         capture(board, SETTINGS, tmp_path / "s")
 
 
 def test_an_existing_session_is_not_overwritten(tmp_path: Path) -> None:
     capture(ScriptedBoard(SAMPLES), SETTINGS, tmp_path / "s")
     before = (tmp_path / "s" / "raw.log").read_bytes()
-    with pytest.raises(SessionExists, match="nothing was overwritten"):
+    with pytest.raises(OperatorError, match="nothing was overwritten"):
         capture(ScriptedBoard(SAMPLES), SETTINGS, tmp_path / "s")
     assert (tmp_path / "s" / "raw.log").read_bytes() == before
 
@@ -348,5 +343,5 @@ def test_a_rate_that_this_computers_clock_contradicts_is_reported(
     ],
 )
 def test_settings_out_of_range_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(SettingsError, match="must be"):
+    with pytest.raises(OperatorError, match="must be"):
         CaptureSettings(**wrong)  # type: ignore[arg-type]

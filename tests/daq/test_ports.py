@@ -3,7 +3,7 @@ import threading
 import pytest
 from scripted_board import ScriptedBoard, decay
 
-from daq.errors import NoBoard, PortBusy, SeveralBoards
+from daq.errors import PortBusy, PortError
 from daq.link import Link
 from daq.port import Port, PortDescription
 from daq.ports import Candidate, choose_port, list_ports, probe
@@ -56,15 +56,15 @@ def test_the_only_port_that_answers_need_not_be_named() -> None:
 
 
 def test_of_two_boards_one_must_be_named() -> None:
-    with pytest.raises(SeveralBoards, match="2 boards answer"):
+    with pytest.raises(PortError, match="2 boards answer"):
         choose_port(None, lambda: candidates("board", "another board"))
     assert choose_port("another board", lambda: candidates("board")) == "another board"
 
 
 def test_no_board_is_reported_with_what_was_tried() -> None:
-    with pytest.raises(NoBoard, match="modem"):
+    with pytest.raises(PortError, match="modem"):
         choose_port(None, lambda: candidates("modem"))
-    with pytest.raises(NoBoard, match="no serial port"):
+    with pytest.raises(PortError, match="no serial port"):
         choose_port(None, tuple)
 
 

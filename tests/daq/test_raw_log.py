@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from daq.errors import SessionDamaged, SessionExists, StorageError
+from daq.errors import OperatorError, SessionDamaged, StorageError
 from daq.raw_log import HEAD_SIZE, MAGIC, Kind, RawLog, Record, pack, read, unpack
 
 RECORDS = st.lists(
@@ -87,7 +87,7 @@ def test_a_record_is_in_the_file_before_anything_is_synced(tmp_path: Path) -> No
 
 def test_an_existing_file_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "raw.log").write_text("mine")
-    with pytest.raises(SessionExists, match="nothing was overwritten"):
+    with pytest.raises(OperatorError, match="nothing was overwritten"):
         RawLog().store(tmp_path / "raw.log")
     assert (tmp_path / "raw.log").read_text() == "mine"
 

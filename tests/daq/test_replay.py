@@ -5,7 +5,7 @@ import pytest
 from scripted_board import RATE, ScriptedBoard, decay
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.errors import SettingsError
+from daq.errors import OperatorError
 from daq.raw_log import Kind
 from daq.recording import Channel, Gap, Recording
 from daq.replay import replay
@@ -78,5 +78,5 @@ def test_an_import_is_replayed_by_the_time_of_its_samples(tmp_path: Path, pauses
 
 @pytest.mark.parametrize("speed", [-1.0, float("nan"), float("inf")])
 def test_a_speed_that_is_none_is_refused(session: tuple[Session, Witness], speed: float) -> None:
-    with pytest.raises(SettingsError, match="speed"):
+    with pytest.raises(OperatorError, match="speed"):
         replay(session[0], Witness(), speed)

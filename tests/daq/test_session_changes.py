@@ -11,7 +11,7 @@ from threading import Barrier, Thread
 import numpy as np
 import pytest
 
-from daq.errors import SessionChanged, SessionExists, SessionLocked, StorageError
+from daq.errors import OperatorError, SessionChanged, SessionLocked, StorageError
 from daq.recording import Channel, Recording
 from daq.session import Session, State, recover, unsealed_sessions, verify
 from daq.storage import Lock, digest, write_whole
@@ -331,7 +331,7 @@ def test_of_many_who_make_the_same_session_at_once_one_makes_it_whole(tmp_path: 
             try:
                 Session.create_imported(folder, recording, None)
                 ended.append("made")
-            except (SessionExists, SessionLocked) as error:
+            except (OperatorError, SessionLocked) as error:
                 ended.append(type(error).__name__)
 
         threads = [Thread(target=make) for _ in range(4)]

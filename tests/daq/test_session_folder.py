@@ -10,10 +10,9 @@ from scripted_board import RATE, decay
 
 from daq.errors import (
     NotASession,
+    OperatorError,
     SessionDamaged,
-    SessionExists,
     SessionLocked,
-    SettingsError,
     StationError,
     StorageError,
 )
@@ -141,21 +140,21 @@ def test_a_manifest_cannot_name_a_file_outside(session: Session) -> None:
 
 def test_a_folder_that_holds_something_is_not_overwritten(session: Session, tmp_path: Path) -> None:
     before = {path: path.read_bytes() for path in every_file(session.folder)}
-    with pytest.raises(SessionExists, match="nothing was overwritten"):
+    with pytest.raises(OperatorError, match="nothing was overwritten"):
         Session.create_imported(session.folder, example(), None)
     assert {path: path.read_bytes() for path in every_file(session.folder)} == before
-    with pytest.raises(SessionExists):
+    with pytest.raises(OperatorError):
         Session.create_imported(tmp_path, example(), None)
 
 
 @pytest.mark.parametrize("name", ["../a", "a/b", "", ".", "..", "a\\b", "C:x", "a\0b"])
 def test_a_result_cannot_leave_its_folder(session: Session, name: str) -> None:
-    with pytest.raises(SettingsError):
+    with pytest.raises(OperatorError):
         session.write_result(name, "x")
 
 
 def test_metadata_out_of_range_are_refused_and_nothing_changes(session: Session) -> None:
-    with pytest.raises(SettingsError, match="mass_kg"):
+    with pytest.raises(OperatorError, match="mass_kg"):
         session.update(mass_kg=-1.0)
     assert Session.open(session.folder).info.mass_kg == 21.36
 

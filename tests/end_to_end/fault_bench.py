@@ -13,7 +13,7 @@ from unittest import mock
 
 from daq import port as port_module
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.errors import DataLost, Stalled
+from daq.errors import DataLost, LinkLost
 from daq.port import Port
 from daq.session import Session, verify
 from mocks.in_process import running
@@ -166,7 +166,7 @@ def silence(line: str, folder: Path, at: float = 2.0) -> tuple[float, float]:
     with board(line, "--seed", "5", "--fault", f"stall:30@{at:g}") as port:
         try:
             capture(port, CaptureSettings(), folder / "s", watch)
-        except Stalled:
+        except LinkLost:
             return watch.announced - watch.last, time.monotonic() - watch.last
     raise AssertionError("a board that had stalled was recorded to the end")
 

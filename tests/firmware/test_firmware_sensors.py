@@ -10,7 +10,7 @@ from conftest import or_skip
 
 from bench.emulated import boards, images, motion
 from daq import port as port_module
-from daq.errors import BoardRefused
+from daq.errors import BoardError
 from daq.link import Link
 from daq.port import open_port
 
@@ -55,7 +55,7 @@ def test_a_digital_sensor_that_is_not_there_refuses_the_capture(tmp_path: Path) 
     or_skip(images.simavr_board, tmp_path / "simavr_board")
     with boards.mega(tmp_path, image) as board, Link(open_port(board.port)) as link:
         link.handshake()
-        with pytest.raises(BoardRefused, match="a sensor does not answer"):
+        with pytest.raises(BoardError, match="a sensor does not answer"):
             link.start()
 
 

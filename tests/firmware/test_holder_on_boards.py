@@ -11,7 +11,7 @@ from fault_bench import station_capture
 
 from bench.emulated import boards, images, motion
 from bench.emulated.boards import Board
-from daq.errors import LetGo, SettingsError
+from daq.errors import BoardError, OperatorError
 from daq.link import Link
 from daq.port import open_port
 from daq.rig import Rig
@@ -69,7 +69,7 @@ def test_a_host_that_is_gone_makes_it_let_go_slowly(run: Run) -> None:
     with run() as board, Link(open_port(board.port)) as link:
         link.handshake()
         rig = Rig(link)
-        with pytest.raises(SettingsError, match="0 to 25 mm"):
+        with pytest.raises(OperatorError, match="0 to 25 mm"):
             rig.hold(-0.001)
         link.start()
         rig.hold(0.004)
@@ -83,7 +83,7 @@ def test_a_host_that_is_gone_makes_it_let_go_slowly(run: Run) -> None:
         x = link.assembly.recording().samples[0]
         # Never faster than 5 mm/s, in a quarter of a second, beside six times the noise of both boards.
         assert abs(x[64:] - x[:-64]).max() < 0.005 / 4 + 60e-6
-        with pytest.raises(LetGo):
+        with pytest.raises(BoardError):
             rig.release()
 
 

@@ -32,7 +32,7 @@ from mocks.holder import MAGNET_S, SLOWLY_M_S, Holder as Actuator
 from mocks.holding import SILENCE_S
 from mocks.misconfigurations import Misconfiguration
 from mocks.sensors import Sensor
-from mocks.testbed import Bench as Physics, Release as LetGo, simulate
+from mocks.testbed import Bench as Physics, Release as BoardError, simulate
 
 STEP_M = 1e-6
 RATE = 256.0
@@ -150,7 +150,7 @@ def test_the_mass_is_taken_held_and_let_go_at_the_sample_that_is_told():
     time = np.arange(0, len(x) - first) / RATE
     # The release lies within the sample before the one told, and takes the magnet's time.
     late = rig.actuator.released_at - rig.actuator.origin
-    motion = simulate(rig.physics, LetGo(0.012, 0.0, MAGNET_S), first / RATE - late + time)
+    motion = simulate(rig.physics, BoardError(0.012, 0.0, MAGNET_S), first / RATE - late + time)
     assert x[first:] == pytest.approx(motion.displacement, abs=1.5 * STEP_M)
 
 

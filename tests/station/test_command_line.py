@@ -112,17 +112,17 @@ def test_errors_have_the_code_of_whose_fault_they_are():
     from daq import errors
     from identify.errors import NotIdentifiable
 
-    assert exits.code_of(errors.NoBoard("none")) == exits.NO_BOARD
+    assert exits.code_of(errors.PortError("none")) == exits.NO_BOARD
     assert exits.code_of(errors.PortBusy("busy")) == exits.NO_BOARD
-    assert exits.code_of(errors.VersionRefused("2.0")) == exits.PROTOCOL
+    assert exits.code_of(errors.BoardError("2.0")) == exits.PROTOCOL
     assert exits.code_of(errors.DataLost("lost")) == exits.LOST_DATA
-    assert exits.code_of(errors.Stalled("silent")) == exits.DISCONNECTED
+    assert exits.code_of(errors.LinkLost("silent")) == exits.DISCONNECTED
     assert exits.code_of(errors.StorageError("full")) == exits.STORAGE
     assert exits.code_of(OSError("full")) == exits.STORAGE
     assert exits.code_of(errors.SessionChanged("changed")) == exits.CONFLICT
     assert exits.code_of(errors.SessionLocked("locked")) == exits.CONFLICT
     assert exits.code_of(NotIdentifiable("too short")) == exits.NOT_IDENTIFIABLE
-    assert exits.code_of(errors.NoRelease("waited")) == exits.USAGE
+    assert exits.code_of(errors.OperatorError("waited")) == exits.USAGE
     assert exits.code_of(ValueError("?")) == exits.UNEXPECTED
 
 

@@ -5,7 +5,7 @@ import pytest
 from printing_board import RATE, PrintingBoard, as_csv, as_json, release
 
 from daq.capture import CaptureSettings, capture
-from daq.errors import BoardError, NoBoard, SettingsError
+from daq.errors import BoardError, OperatorError, PortError
 from daq.raw_log import Kind, read
 from daq.sources import SourceBoard, line_source as line_source_module
 from daq.sources.line_format import Sample, find_format, load_profile, save_profile
@@ -87,19 +87,19 @@ def test_a_profile_is_kept_and_read_again(motion, tmp_path):
     form = source(PrintingBoard(as_csv(displacement, acceleration)), **CSV).form
     save_profile(form, "bench", tmp_path)
     assert load_profile("bench", tmp_path) == form
-    with pytest.raises(SettingsError, match=r"no profile 'benhc'.*there: bench"):
+    with pytest.raises(OperatorError, match=r"no profile 'benhc'.*there: bench"):
         load_profile("benhc", tmp_path)
     (tmp_path / "bad.json").write_text('{"channels": []}')
-    with pytest.raises(SettingsError, match="no profile of lines"):
+    with pytest.raises(OperatorError, match="no profile of lines"):
         load_profile("bad", tmp_path)
-    with pytest.raises(SettingsError, match="no name of a profile"):
+    with pytest.raises(OperatorError, match="no name of a profile"):
         save_profile(form, "../up", tmp_path)
 
 
 def test_without_names_the_operator_is_told_what_comes(motion):
     displacement, acceleration, _ = motion
     with pytest.raises(
-        SettingsError, match=r"no column is known to be a motion; what comes is 1 \(.* to .*--column"
+        OperatorError, match=r"no column is known to be a motion; what comes is 1 \(.* to .*--column"
     ):
         source(PrintingBoard(as_csv(displacement, acceleration)))
 
@@ -107,7 +107,7 @@ def test_without_names_the_operator_is_told_what_comes(motion):
 def test_a_unit_that_is_not_known_is_asked_for(motion):
     displacement, acceleration, _ = motion
     with pytest.raises(
-        SettingsError, match=r"the unit of column 'x' is not known; say it, as --unit displacement=mm"
+        OperatorError, match=r"the unit of column 'x' is not known; say it, as --unit displacement=mm"
     ):
         source(PrintingBoard(as_json(displacement, acceleration)))
 
@@ -116,7 +116,7 @@ def test_text_and_silence_are_refused_in_a_sentence(monkeypatch):
     monkeypatch.setattr(line_source_module, "QUIET_S", 0.05)
     with pytest.raises(BoardError, match=r"no lines of numbers, as 'ready"):
         source(PrintingBoard(["ready, press a key"] * 50))
-    with pytest.raises(NoBoard, match="no line came"):
+    with pytest.raises(PortError, match="no line came"):
         source(PrintingBoard([]))
 
 
@@ -193,10 +193,10 @@ def commas(values):
 
 def test_a_decimal_comma_is_asked_about_and_never_read_as_two_columns(motion):
     options = {"columns": {"displacement": 1}, "units": {"displacement": "mm"}, "rate_hz": RATE}
-    with pytest.raises(SettingsError, match=r"'\d+,\d+' may be 1 with a decimal comma or 2 columns"):
+    with pytest.raises(OperatorError, match=r"'\d+,\d+' may be 1 with a decimal comma or 2 columns"):
         source(PrintingBoard(commas(motion[0])), **options)
     stamped = [f"{int(1000 * i / RATE)},{line}" for i, line in enumerate(commas(motion[0]))]
-    with pytest.raises(SettingsError, match="may be 1 with a decimal comma or 2 columns"):
+    with pytest.raises(OperatorError, match="may be 1 with a decimal comma or 2 columns"):
         source(PrintingBoard(stamped), **(options | CLOCKED))
 
 

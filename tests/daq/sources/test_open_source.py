@@ -10,7 +10,7 @@ import pytest
 from printing_board import RATE, as_csv, release
 
 from daq.capture import CaptureSettings, capture
-from daq.errors import Disconnected, NoBoard, SettingsError
+from daq.errors import LinkLost, OperatorError, PortError
 from daq.sources import SourceBoard
 from daq.sources.growing_file import GrowingFile
 from daq.sources.open_source import LineOptions, open_lines, open_source
@@ -67,7 +67,7 @@ def test_a_class_of_ones_own_is_captured(tmp_path):
 def test_what_is_no_source_is_refused_in_a_sentence(tmp_path, text, says):
     (tmp_path / "broken.py").write_text("1 / 0\n")
     (tmp_path / "lacks.py").write_text("class Card:\n    def describe(self): ...\n    def start(self): ...\n")
-    with pytest.raises(SettingsError, match=says):
+    with pytest.raises(OperatorError, match=says):
         open_source(text.format(folder=tmp_path), LineOptions())
 
 
@@ -80,10 +80,10 @@ def test_what_is_added_to_a_file_is_read_and_what_was_there_is_not(tmp_path):
         more.write("new\n")
     assert port.read() == b"new\n"
     file.write_text("")
-    with pytest.raises(Disconnected, match="cut off"):
+    with pytest.raises(LinkLost, match="cut off"):
         port.read()
     port.close()
-    with pytest.raises(NoBoard, match="there is no such file"):
+    with pytest.raises(PortError, match="there is no such file"):
         GrowingFile(tmp_path / "none.txt")
 
 
@@ -162,10 +162,10 @@ def test_a_sound_card_is_a_source_in_units_with_its_losses(monkeypatch):
 
 def test_a_sound_card_without_its_library_its_unit_or_its_rate(monkeypatch):
     monkeypatch.setitem(sys.modules, "sounddevice", None)
-    with pytest.raises(NoBoard, match=r"free-decay-station\[audio\]"):
+    with pytest.raises(PortError, match=r"free-decay-station\[audio\]"):
         open_source("audio", LineOptions(units={"acceleration": "95 m/s^2"}))
     monkeypatch.setitem(sys.modules, "sounddevice", SoundCard())
-    with pytest.raises(SettingsError, match="full scale"):
+    with pytest.raises(OperatorError, match="full scale"):
         open_source("audio:1", LineOptions())
-    with pytest.raises(NoBoard, match="Invalid sample rate"):
+    with pytest.raises(PortError, match="Invalid sample rate"):
         open_source("audio", LineOptions(units={"acceleration": "9 m/s^2"}, rate_hz=7.0)).describe()
