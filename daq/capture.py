@@ -225,34 +225,26 @@ class _Capture:
         """
         assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
         unanswered, checkable, in_vain = 0, True, 0
-
-        def over() -> bool:
-            return unanswered >= RESEND_ROUNDS or time.monotonic() >= until
-
-        def ask(hole: tuple[int, int]) -> bool | None:
-            """Ask for (first, count); return whether all of it is held, None when that is not known."""
-            nonlocal unanswered
-            if over():
-                return None
-            before = assembly.samples.received
-            held = self._link.resend(*hole, until)
-            came = assembly.samples.received > before
-            unanswered = 0 if came or held is not None else unanswered + 1
-            return held
-
         while in_vain < RESEND_ROUNDS:
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
-            beside = _beside(assembly) if checkable else []
-            if over() or not (lost or beside):
+            holes = [*lost, *(_beside(assembly) if checkable else [])]
+            if not holes:
                 return
-            self._stream.state("resending", f"asking again for {sum(n for _, n in (*lost, *beside))} samples")
-            before = assembly.samples.received
-            refused = [hole for hole in lost if ask(hole) is False]
-            checkable = not refused and all(ask(hole) is not False for hole in beside)
-            brought = assembly.samples.received - before
-            self._resent += brought
+            self._stream.state("resending", f"asking again for {sum(n for _, n in holes)} samples")
+            refused = brought = 0
+            for hole in holes:
+                if unanswered >= RESEND_ROUNDS or time.monotonic() >= until:
+                    return
+                before = assembly.samples.received
+                held = self._link.resend(*hole, until)
+                came = assembly.samples.received - before
+                unanswered = 0 if came or held is not None else unanswered + 1
+                refused += held is False
+                brought += came
+                self._resent += came
+            checkable = not refused
             in_vain = 0 if brought else in_vain + 1
-            if refused == lost and not checkable:
+            if refused == len(holes):
                 return
 
     def abort(self, writer: SessionWriter, error: BaseException) -> None:
