@@ -4,7 +4,7 @@ import numpy as np
 
 from daq.recording import Array
 
-LARGEST, MOST_DIGITS = 1e100, 5
+LARGEST = 1e100
 
 
 def is_measurable(values: Array) -> bool:
@@ -63,32 +63,3 @@ def quantum(values: Array) -> float:
                 return step
         exponent -= 1
     return floor
-
-
-def rounding(values: Array) -> Array:
-    """Return the step to which each number was rounded, shape (n,): its own where the file keeps a fixed number of
-    significant digits, up to five, else the column's `quantum`.
-    """
-    finite = values[np.isfinite(values) & (values != 0.0)]
-    if len(finite) < 3 or not np.max(np.abs(finite)) < 1e100 or not np.min(np.abs(finite)) > 1e-100:
-        return np.full(len(values), quantum(values))
-    for digits in range(2, MOST_DIGITS + 1):
-        steps = _steps(finite, digits)
-        multiples = finite / steps
-        strays = np.abs(multiples - np.rint(multiples)) > 1e-6
-        if np.count_nonzero(strays) <= len(finite) // 1000:
-            small = np.abs(finite) < 0.1 * np.max(np.abs(finite))
-            finer = multiples[small] / 10.0
-            more = np.abs(finer - np.rint(finer)) > 1e-6
-            if np.count_nonzero(small) < 0.02 * len(finite) or np.mean(more) < 0.5:
-                break  # small numbers have no more decimals than large ones
-            known = np.where(np.isfinite(values) & (values != 0.0), values, finite.min())
-            return np.where(
-                values == 0.0, _steps(np.array([np.abs(finite).min()]), digits), _steps(known, digits)
-            )
-    return np.full(len(values), quantum(values))
-
-
-def _steps(values: Array, digits: int) -> Array:
-    steps: Array = 10.0 ** (np.floor(np.log10(np.abs(values)) + 1e-12) - (digits - 1))
-    return steps

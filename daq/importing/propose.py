@@ -2,24 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from types import MappingProxyType
 from typing import cast
 
 import numpy as np
 
-from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
+from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
-from daq.importing.column_numbers import rounding
-from daq.importing.derived import find_derivation
+from daq.importing.derived import is_difference
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
-from daq.importing.recipe import Column, Part, Recipe, Role
-from daq.importing.runs import find_runs, pieces
+from daq.importing.recipe import Column, Recipe, Role
+from daq.importing.runs import find_runs
 from daq.importing.table import Table
-from daq.importing.timebase import EVEN, guess_time_unit
+from daq.importing.timebase import guess_time_unit
 from daq.importing.units import Unit
 from daq.plain_text import one_line
 
@@ -56,6 +55,7 @@ class Doubtful(ImportProblem):
 @dataclass(frozen=True)
 class _Run:
     table: Table
+    choices: Mapping[str, Choice]
     fields: tuple[Column, ...]
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
@@ -83,7 +83,9 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     unclear = [problem(table.path, run.doubts[0]) for run in made if run.doubts and certain]
     left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
     made = certain or made
-    notes = {run.table.run: (*run.notes[len(table.notes) :], *left) for run in made}
+    derived = {} if options.keep_derived else _derived(made)
+    notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
+    made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
     recipe = _recipe(table, made, options)
     return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
 
@@ -160,10 +162,9 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     if pull is not None and not options.keep_offset and (told := _gravity(pull, units["acceleration"][0])):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
         notes.append(told)
-    derived = () if options.keep_derived else _derived(run, choices, fields, options.as_recipe(), notes)
     notes += filter(None, [left_out(table, choices)])
-    listed = [field for q, several in fields.items() if q not in derived for field in several]
-    return _Run(run, tuple(listed), tuple(notes), tuple(doubts))
+    listed = [field for several in fields.values() for field in several]
+    return _Run(run, choices, tuple(listed), tuple(notes), tuple(doubts))
 
 
 def _gravity(pull: Choice, unit: Unit) -> str:
@@ -197,49 +198,25 @@ def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
     return (Column(column=column.number, role=quantity, unit=unit),)
 
 
-def _derived(
-    run: Table,
-    choices: Mapping[str, Choice],
-    fields: Mapping[str, tuple[Column, ...]],
-    recipe: Recipe,
-    notes: list[str],
-) -> set[str]:
-    """Return the velocity or acceleration that the logger computed from another channel of the file."""
-    if not any(source in fields and target in fields for source, target, _ in DERIVATIVES):
-        return set()
-    by_number = {f.column or 0: f for several in fields.values() for f in several}
-    columns = tuple(c for c in run.columns if c.number in by_number)
-    table = replace(run, columns=columns)
-    readings = readings_of(table, MappingProxyType(by_number))
-    quantities = [q for q in ORDER if q in readings]
-    values = np.array([readings[q].in_si(table, q) for q in quantities])
-    try:
-        clock = clock_of(table, readings, values, recipe, (recipe.parts or (Part(),))[0])
-    except NoClock as refusal:
-        again = refusal.mended(recipe)
-        if again == recipe:
-            return set()  # refused where it is read
-        first = pieces(run, run.columns, readings["time"].column, counted=False)[0] if again.restarts else run
-        return _derived(first, choices, fields, again, notes)
-    values = values[:, clock.rows]
-    stamps = clock.stamps if clock.stray_rms * clock.rate > EVEN else None
-    steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
-    drop: set[str] = set()
-    for source, target, order in DERIVATIVES:
-        if source not in quantities or target not in quantities or target in drop:
+def _derived(runs: Sequence[_Run]) -> dict[str, str]:
+    """Return the quantities that the logger computed from another channel, and why: what one run shows is true of all."""
+    found: dict[str, str] = {}
+    for run, (source, target, order) in product(runs, DERIVATIVES):
+        one, two = run.choices.get(source), run.choices.get(target)
+        if one is None or two is None or target in found:
             continue
-        one, two = values[quantities.index(source)], values[quantities.index(target)]
-        found = find_derivation(one, two, clock.rate, order, stamps, (steps[source], steps[target]))
-        said, origin = f"{choices[target].column.place} was left out: ", choices[source].column.place
-        if found is not None:
-            drop.add(target)
-            notes.append(
-                f"{said}its numbers are a finite difference of {origin} to within their rounding "
-                f"({100 * found:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
-            )
-        elif choices[target].said.derived and not choices[target].asked:
-            drop.add(target)
-            notes.append(
-                f"{said}its name says that it is derived, and {origin} is there (--keep-derived keeps it)"
-            )
-    return drop
+        if is_difference(one.column.values, two.column.values, order):
+            found[target] = f"its numbers are a finite difference of the {source}, not a sensor of its own"
+        elif two.said.derived and not two.asked:
+            found[target] = f"its name says that it is derived, and the {source} is there"
+    return found
+
+
+def _left_out(run: _Run, derived: Mapping[str, str]) -> list[str]:
+    """Return a sentence on each derived channel of a run."""
+    columns = {quantity: choice.column for quantity, choice in run.choices.items()}
+    return [
+        f"{columns[quantity].place} was left out: {why} (--keep-derived keeps it)"
+        for quantity, why in derived.items()
+        if quantity in columns
+    ]
