@@ -5,17 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from daq.importing.choose import Choice
+from daq.importing.column_numbers import is_measurable
 from daq.importing.columns import meaning
 from daq.importing.errors import problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit, parse_unit
-from daq.recording import Array
 
 DEGREES = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
-FARTHEST = {"m": 20.0, "m/s^2": 1000.0}
-"""What no displacement or acceleration reaches in SI: it is in counts, pixels or another unit."""
-
 TURN = 2.0 * float(np.pi)
 MOST_DEGREES = 720.0
 """No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
@@ -33,14 +30,11 @@ def units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
     return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}
 
 
-def _finite(column: SourceColumn) -> Array:
-    finite = column.values[np.isfinite(column.values)]
-    return finite if column.bad is None and len(finite) and np.max(np.abs(finite)) < 1e100 else np.zeros(1)
-
-
 def _swing(column: SourceColumn) -> float:
-    """Return the swing of a column about its median."""
-    finite = _finite(column)
+    """Return the swing of a column about its median, 0 without numbers of a sensible size."""
+    finite = column.values[np.isfinite(column.values)]
+    if not is_measurable(finite):
+        return 0.0
     return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
 
 
@@ -77,21 +71,15 @@ def unit_of(
     if choice.said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
         return choice.said.unit, choice.said.unit_text
-    unit = (SI_ANGULAR if turns else SI_LINEAR)[quantity]
-    finite = _finite(choice.column)
-    far = float(np.ptp(finite) if quantity == "displacement" else np.max(np.abs(finite)))
-    spelled, why = unit.si, ""
-    if quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
-        spelled = DEGREES[quantity]
-    elif far > FARTHEST.get(unit.si, np.inf) or (quantity == "displacement" and turns == "counts"):
+    spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
+    if turns == "counts" and quantity == "displacement":
         spelled = "counts"
-    if spelled != unit.si:
-        unit, why = parse_unit(spelled) or unit, f", for in {unit.si} {far:.3g} is more than rigs move by"
+    elif quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
+        spelled = DEGREES[quantity]
     notes.append(
-        f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed{why} "
-        f"(change it with --unit {quantity}=...)"
+        f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed (change it with --unit {quantity}=...)"
     )
-    return unit, spelled
+    return parse_unit(spelled) or SI_LINEAR[quantity], spelled
 
 
 _EXAMPLES = {

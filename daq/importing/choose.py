@@ -12,7 +12,7 @@ from daq.importing.errors import problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table, listed, named
-from daq.importing.units import COUNT, STANDARD_GRAVITY
+from daq.importing.units import COUNT
 from daq.recording import MOTIONS, Array
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
@@ -22,15 +22,12 @@ TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", 
 """Words of the size of a vector, beside its axes."""
 
 AXIS_MOVES, SENSOR_MOVES, CHANNEL_MOVES = 5.0, 1.3, 20.0
-"""So many times as much one axis moves as the others, one of a sensor with three, or one of several like channels as those
-that stand still.
+"""So many times as much one axis moves as the others, one of a sensor, or one of several like channels as those that stand
+still.
 """
 
-GRAVITY_WITHIN = 0.03
-"""Gravity is found again to 3 %: the calibration of a phone's accelerometer."""
-
-_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?([xyz])(?: .*)?")
-
+_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?[xyz](?: .*)?")
+SENSOR = "axes of a sensor"
 
 REPEATS = 0.9999
 """Correlation from which on a column is another one in another unit."""
@@ -125,20 +122,14 @@ def _found(
     notes, doubts = said
     is_time = quantity == "time"
     likely = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
-    if is_time and not likely:
-        likely = [c for c in free if words(c.label) == ("s",)][:1]
-    elif beside and not is_time:
+    if beside and not is_time:
         likely = [c for c in likely if meanings[c.number].strength > 1]
     likely = [c for c in likely if not meanings[c.number].derived] or likely
     best = max((meanings[c.number].strength for c in likely), default=0)
     likely = [c for c in likely if meanings[c.number].strength == best]
     likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
-        likely = (
-            [c for c in likely if not c.clock] or likely
-            if is_time
-            else _moving(_of_a_sensor(likely, meanings, notes), meanings, notes)
-        )
+        likely = [c for c in likely if not c.clock] or likely if is_time else _moving(likely, meanings, notes)
     if len(likely) < 2 or all(np.array_equal(likely[0].values, c.values, equal_nan=True) for c in likely):
         return likely[0] if likely else None
     if beside and not is_time:
@@ -154,38 +145,13 @@ def _found(
     return first
 
 
-def has_gravity(values: Array) -> bool:
-    """Check whether the numbers, in m/s^2, swing about plus or minus the acceleration of gravity."""
-    finite = values[np.isfinite(values)]
-    return bool(len(finite)) and abs(abs(float(np.median(finite))) / STANDARD_GRAVITY - 1.0) < GRAVITY_WITHIN
-
-
-def _of_a_sensor(
-    columns: list[SourceColumn], said: Mapping[int, Meaning], notes: list[str]
-) -> list[SourceColumn]:
-    """Return the axis that moves most of a sensor of three, where the columns are such; else the columns."""
-    names = [" ".join(words(split_unit(c.label)[0])) for c in columns]
-    axes = sorted(match[1] for name in names if (match := _AXIS.fullmatch(name)))
-    meant = said[columns[0].number]
-    if axes != ["x", "y", "z"] or len(columns) > 3 or meant.quantity not in ("velocity", "acceleration"):
-        return columns
-    first, second, _ = sorted(columns, key=lambda c: -amplitude(c.values))
-    if SENSOR_MOVES * amplitude(second.values) > amplitude(first.values):
-        return columns
-    notes.append(f"{', '.join(c.place for c in columns)} are the axes of a sensor; {first.place} moves most")
-    mean = np.linalg.norm([np.nanmedian(c.values) for c in columns]) * (
-        meant.unit.scale if meant.unit else 1.0
-    )
-    return [replace(first, gravity=meant.quantity == "acceleration" and has_gravity(np.atleast_1d(mean)))]
-
-
 def _moving(
     columns: Sequence[SourceColumn], said: Mapping[int, Meaning], notes: list[str]
 ) -> list[SourceColumn]:
     """Return those of several columns that could be meant: no axis or channel that stands still beside one of its kind, in
     one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
     """
-    kinds = {c.number: (_kind(c), said[c.number].unit_text) for c in columns}
+    kinds = {c.number: (_kind(c, said[c.number]), said[c.number].unit_text) for c in columns}
     several = (
         AXIS_MOVES if len(set(kinds.values())) == 1 else np.inf
     )  # of one point or body, and of nothing else
@@ -193,7 +159,8 @@ def _moving(
     for column in sorted(columns, key=lambda c: (not said[c.number].angular, c.number)):
         alike = [c for c in columns if kinds[c.number] == kinds[column.number]]
         first = max(alike, key=lambda c: amplitude(c.values))
-        factor = CHANNEL_MOVES if kinds[column.number][0][0] not in AXES.values() else several
+        kind = kinds[column.number][0][0]
+        factor = SENSOR_MOVES if kind == SENSOR else several if kind in AXES.values() else CHANNEL_MOVES
         own, most = amplitude(column.values), amplitude(first.values)
         if factor * own < most:
             notes.append(
@@ -206,11 +173,13 @@ def _moving(
     return [c for c in columns if c in kept]
 
 
-def _kind(column: SourceColumn) -> tuple[str, ...]:
+def _kind(column: SourceColumn, said: Meaning) -> tuple[str, ...]:
     """Strip a number, a letter or an axis from a name."""
     name = words(split_unit(column.label)[0])
     if len(name) == 1 and name[0] in AXES:
         return (AXES[name[0]],)
+    if said.quantity in ("velocity", "acceleration") and _AXIS.fullmatch(" ".join(name)):
+        return (SENSOR,)
     bare = [word.rstrip("0123456789") for word in name]
     return tuple(w for w in bare if len(w) > 1) or tuple(w for w in bare if w) or ("",)
 

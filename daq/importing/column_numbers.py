@@ -19,6 +19,11 @@ def amplitude(values: Array) -> float:
     return float(np.std(finite)) if len(finite) > 1 and is_measurable(finite) else 0.0
 
 
+def is_offset(values: Array) -> bool:
+    """Check whether the numbers swing about something else than 0: their median is larger than their standard deviation."""
+    return is_measurable(values) and abs(float(np.nanmedian(values))) > amplitude(values)
+
+
 def oscillation(values: Array) -> float:
     """Return the share of a column's power, its slope taken out, within 20 % of its strongest frequency; 0 to 1."""
     finite = values[np.isfinite(values)]

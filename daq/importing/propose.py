@@ -11,7 +11,8 @@ import numpy as np
 from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
-from daq.importing.choose import Choice, choose_columns, has_gravity, left_out
+from daq.importing.choose import Choice, choose_columns, left_out
+from daq.importing.column_numbers import is_offset
 from daq.importing.derived import is_difference
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
@@ -19,7 +20,6 @@ from daq.importing.recipe import Column, Recipe, Role
 from daq.importing.runs import find_runs
 from daq.importing.table import Table
 from daq.importing.timebase import guess_time_unit
-from daq.importing.units import Unit
 from daq.plain_text import one_line
 
 DERIVATIVES = (
@@ -79,15 +79,12 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
             refused.append(refusal)
     if not made:
         raise refused[0]
-    certain = [run for run in made if not run.doubts]
-    unclear = [problem(table.path, run.doubts[0]) for run in made if run.doubts and certain]
-    left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
-    made = certain or made
+    left = tuple(f"a run was left out: {refusal}" for refusal in refused)
     derived = {} if options.keep_derived else _derived(made)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
     made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
     recipe = _recipe(table, made, options)
-    return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
+    return Proposal(recipe, MappingProxyType(notes), next((run.doubts for run in made if run.doubts), ()))
 
 
 def _asked_run(options: ImportOptions) -> str:
@@ -159,23 +156,15 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     if "time" in choices:
         fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
     pull = choices.get("acceleration")
-    if pull is not None and not options.keep_offset and (told := _gravity(pull, units["acceleration"][0])):
+    if pull is not None and not options.keep_offset and is_offset(pull.column.values):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
-        notes.append(told)
+        notes.append(
+            f"{pull.column.place} swings about {float(np.nanmedian(pull.column.values)):.4g}, as gravity would have it: its "
+            "median was taken out as an offset (--keep-offset keeps it)"
+        )
     notes += filter(None, [left_out(table, choices)])
     listed = [field for several in fields.values() for field in several]
     return _Run(run, choices, tuple(listed), tuple(notes), tuple(doubts))
-
-
-def _gravity(pull: Choice, unit: Unit) -> str:
-    """Return a sentence where an acceleration has gravity in it, else ""."""
-    values = pull.column.values * unit.scale
-    if unit.si != "m/s^2" or not (pull.column.gravity or has_gravity(values)):
-        return ""
-    return (
-        f"{pull.column.place} has gravity in it: its median, {float(np.nanmedian(values)):.4g} m/s^2, "
-        "was taken out as an offset (--keep-offset keeps it)"
-    )
 
 
 def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:

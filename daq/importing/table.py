@@ -21,8 +21,7 @@ class SourceColumn:
     `number` counts from 1; `label` is the header as it stands, cut where it is too long, without a unit row's unit, which
     is in `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
     neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
-    `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it, `arc`
-    the numbers of the columns x and y of which this is the angle.
+    `noun` is what the format calls a column, `arc` the numbers of the columns x and y of which this is the angle.
     """
 
     number: int
@@ -33,7 +32,6 @@ class SourceColumn:
     bad: tuple[int, str] | None = None
     clock: bool = False
     noun: str = "column"
-    gravity: bool = False
     arc: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:

@@ -200,7 +200,7 @@ def test_the_python_face_reads_one_run_or_all(tmp_path: Path) -> None:
 def test_stamps_coarser_than_the_sampling_give_even_times_at_the_true_rate(tmp_path: Path) -> None:
     n, rate = 1500, 29.97
     t = np.arange(n) / rate
-    theta = 14.0 * np.exp(-0.02 * t) * np.cos(OMEGA / 2 * t)
+    theta = 9.0 * np.exp(-0.02 * t) * np.cos(OMEGA / 2 * t) + np.random.default_rng(8).normal(0.0, 0.05, n)
     omega = np.gradient(theta, 1 / rate)
     omega[0] = 0.0
     recording = load(tmp_path, wide("t1;theta1;omega1", [t, theta, omega], form="%.2E"))
