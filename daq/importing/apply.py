@@ -17,7 +17,7 @@ from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
-from daq.recording import MOTIONS, Array, Channel, Recording, cut
+from daq.recording import MOTIONS, Array, Channel, Recording
 
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
@@ -220,17 +220,46 @@ def _recordings(table: Table, fields: MappingProxyType[int, Column], recipe: Rec
     readings = readings_of(table, fields)
     values = np.array([readings[q].in_si(table, q) for q in ORDER if q in readings])
     parts = recipe.parts or (Part(),)
-    made = [_recording(table, readings, values, recipe, part) for part in parts]
+    made = [_recording(*_within(table, readings, values, recipe, part), recipe) for part in parts]
     if len(parts) == 1:
         return made
     return [replace(one, run=f"{one.run}{'.' if one.run else ''}{k}") for k, one in enumerate(made, start=1)]
 
 
-def _recording(
+def _within(
     table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe, part: Part
-) -> Recording:
+) -> tuple[Table, dict[str, Reading], Array]:
+    """Return the rows that lie between two times of the file, with half a sampling interval to either side."""
+    if part == Part():
+        return table, readings, values
+    time = readings.get("time")
+    if recipe.rate is None and time is not None:
+        at = time.in_si(table, "time")
+    else:
+        at = np.arange(values.shape[1]) / (recipe.rate or table.rate or 1.0)
+    first, last = (np.nan if side is None else side for side in (part.start, part.stop))
+    margin = 0.5 * float(np.abs(np.nanmedian(np.diff(at))))
+    rows = np.flatnonzero(np.isfinite(at) & ~(at < first - margin) & ~(at > last + margin))
+    if len(rows) < FEWEST_ROWS:
+        raise problem(
+            table.path, "holds nothing between these times",
+            f"its own go from {np.nanmin(at):.6g} s to {np.nanmax(at):.6g} s",
+        )  # fmt: skip
+    own = replace(
+        table,
+        lines=None if table.lines is None else table.lines[rows],
+        notes=(*table.notes, f"rows {rows[0] + 1} to {rows[-1] + 1} of the table"),
+    )
+    kept = {
+        quantity: replace(reading, column=replace(reading.column, values=reading.column.values[rows]))
+        for quantity, reading in readings.items()
+    }
+    return own, kept, values[:, rows]
+
+
+def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Recording:
     quantities = [q for q in ORDER if q in readings]
-    clock = clock_of(table, readings, values, recipe, part)
+    clock = _clock(table, readings, values, recipe)
     values = values[:, clock.rows]
     if len(clock.rows) < FEWEST_ROWS:
         raise problem(
@@ -257,30 +286,12 @@ def _recording(
             "motion itself, five cycles or more with at least ten readings each",
         )
     channels = tuple(Channel(readings[q].column.label or q, q, readings[q].unit.si) for q in quantities)
-    made = Recording(
+    return Recording(
         clock.rate, channels, samples, valid, find_gaps(valid, clock), clock.rate_std, None, notes, table.run
     )
-    return _between(table, made, clock, part)
 
 
-def _between(table: Table, recording: Recording, clock: Timebase, part: Part) -> Recording:
-    """Return the part of a recording between two times of the file."""
-    if part == Part():
-        return recording
-    count = recording.samples.shape[1]
-    first, last = clock.origin, clock.origin + (count - 1) / clock.rate
-    start = 0 if part.start is None else max(0, round((part.start - first) * clock.rate))
-    stop = count if part.stop is None else min(count, round((part.stop - first) * clock.rate) + 1)
-    if stop - start < FEWEST_ROWS or not recording.valid[start:stop].any():
-        raise problem(
-            table.path, "holds nothing between these times", f"its own go from {first:.6g} s to {last:.6g} s"
-        )
-    return cut(recording, start, stop)
-
-
-def clock_of(
-    table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe, part: Part
-) -> Timebase:
+def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Timebase:
     """Return the clock: the recipe's rate, else the stamps, else the rate that the file names."""
     rows, time = values.shape[1], readings.get("time")
     if recipe.rate is not None:
@@ -292,16 +303,7 @@ def clock_of(
         return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
     time.in_si(table, "time")  # refuses what is no time at all
     unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
-    try:
-        return from_stamps(table, time.column, unit, values, resample=recipe.resample)
-    except ImportProblem:
-        if part == Part():
-            raise
-    start, stop = (
-        (-np.inf if part.start is None else part.start),
-        (np.inf if part.stop is None else part.stop),
-    )
-    return from_stamps(table, time.column, unit, values, resample=recipe.resample, between=(start, stop))
+    return from_stamps(table, time.column, unit, values, resample=recipe.resample)
 
 
 def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Timebase) -> list[str]:

@@ -35,8 +35,7 @@ class Timebase:
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
     are their times in s from sample 0 (None without stamps, or where these do not show when a row was read); if
-    `resampled` the samples are those of a curve through them. `stray_rms` is in s, `origin` the file's own time of sample 0
-    (s).
+    `resampled` the samples are those of a curve through them.
     """
 
     rate: float
@@ -45,9 +44,7 @@ class Timebase:
     index: Index
     count: int
     stamps: Array | None = None
-    stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
-    origin: float = 0.0
     resampled: bool = False
 
 
@@ -83,15 +80,14 @@ def from_stamps(
     values: Array,
     *,
     resample: bool,
-    between: tuple[float, float] = (-math.inf, math.inf),
 ) -> Timebase:
-    """Return the even clock that fits the stamps of `column` `between` two times of the file (s); `values` (channels, n)
-    distinguish repeated rows from equal stamps.
+    """Return the even clock that fits the stamps of `column`; `values` (channels, n) distinguish repeated rows from equal
+    stamps.
 
     Raises ImportProblem when the stamps make no clock.
     """
     notes: list[str] = []
-    time, rows, first = _stamps(table, column, unit, notes, between)
+    time, rows = _stamps(table, column, unit, notes)
     time, rows = _in_order(table, column, time, rows, values, notes)
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
@@ -131,17 +127,13 @@ def from_stamps(
         index=index,
         count=int(index[-1]) + 1,
         stamps=None if rebuilt else time - start,
-        stray_rms=stray,
         notes=tuple(notes),
-        origin=first + start,
         resampled=bool(resampled),
     )
 
 
-def _stamps(
-    table: Table, column: SourceColumn, unit: Unit, notes: list[str], between: tuple[float, float]
-) -> tuple[Array, Index, float]:
-    """Return the stamps in s from the first one, the rows that have one, and the file's own time of the first (s)."""
+def _stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]) -> tuple[Array, Index]:
+    """Return the stamps in s from the first one, and the rows that have one."""
     rows = np.flatnonzero(np.isfinite(column.values))
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
@@ -153,17 +145,7 @@ def _stamps(
         )  # fmt: skip
     if empty:
         notes.append(f"{empty} rows without a time stamp were left out")
-    time = _over_midnight(stamps[rows], notes) if column.clock else stamps[rows]
-    own = start * unit.scale
-    part = (own + time >= between[0]) & (own + time <= between[1])
-    if np.count_nonzero(part) < 2:
-        raise problem(
-            table.path,
-            "holds nothing between these times",
-            f"its own go from {own:.6g} s to {own + time[-1]:.6g} s",
-        )
-    begin = float(time[part][0])
-    return time[part] - begin, rows[part], own + begin
+    return _over_midnight(stamps[rows], notes) if column.clock else stamps[rows], rows
 
 
 def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, ...]:
