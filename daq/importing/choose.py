@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from daq.importing.column_numbers import amplitude, oscillation
+from daq.importing.column_numbers import amplitude, counts_rows, oscillation
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table, listed, named
 from daq.importing.units import COUNT
-from daq.recording import MOTIONS, Array
+from daq.recording import MOTIONS
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
 """The names of one point's coordinates, and of one body's angles, by each of them."""
@@ -200,16 +200,12 @@ def _rising(
         said, name = meanings[column.number], set(words(column.label))
         if said.unit is not None or said.strength > 1 or said.other or name & INDEX:
             continue
-        if rises_evenly(column) and not _counts_rows(column.values):
+        if rises_evenly(column) and not counts_rows(column.values):
             notes.append(
                 f"{column.place} has no name that says so, but its numbers rise evenly: it was taken as time"
             )
             return column
     return None
-
-
-def _counts_rows(values: Array) -> bool:
-    return bool(np.all(np.diff(values) == 1.0)) and bool(values[0] == np.rint(values[0]))
 
 
 def _most(columns: Sequence[SourceColumn]) -> SourceColumn:

@@ -24,6 +24,11 @@ def is_offset(values: Array) -> bool:
     return is_measurable(values) and abs(float(np.nanmedian(values))) > amplitude(values)
 
 
+def counts_rows(values: Array) -> bool:
+    """Check whether whole numbers count the rows, from any number on."""
+    return len(values) > 2 and bool(values[0] == np.rint(values[0])) and bool(np.all(np.diff(values) == 1.0))
+
+
 def oscillation(values: Array) -> float:
     """Return the share of a column's power, its slope taken out, within 20 % of its strongest frequency; 0 to 1."""
     finite = values[np.isfinite(values)]

@@ -77,8 +77,6 @@ _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),
     re.compile(r"(.*?)\s+/\s*(\S.{0,24})$", re.S),
-    re.compile(r"(.*\S)\s+in\s+(\S.{0,24})$", re.S | re.I),
-    re.compile(r"(.*\S)\s*[,:]\s*(\S{1,12})$", re.S),
     re.compile(r"(.*\S)\s+(\S{1,12})$", re.S),
     re.compile(r"([^/]*[^\W_])/(\S{1,12}/\S{1,12})$", re.S),
     re.compile(r"(.*[^\W_]/?)/(\S{1,12})$", re.S),

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.importing import serial_text
+from daq.importing.column_numbers import counts_rows
 from daq.importing.dialect import BLANK, NAMES, Dialect, decode, find_dialect, is_comment, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import headers, rate_above, units_above
@@ -41,7 +42,7 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     names, units = [""] * len(parsed), [""] * len(parsed)
     if wanted.header:
         names, units = headers(lines, dialect, len(parsed))
-    if names and not names[-1] and names[0] and _counts(parsed[0]):
+    if names and not names[-1] and names[0] and counts_rows(parsed[0].values):
         names = ["row", *names[:-1]]
     columns = []
     for i, column in enumerate(parsed):
@@ -145,12 +146,6 @@ def _cells(line: str, delimiter: str, left: int, right: int) -> list[str]:
     """Return the cells of a line from column `left` up to `right`, empty ones where it is cut short."""
     cells = split(line, delimiter)[left:right]
     return cells + [""] * (right - left - len(cells))
-
-
-def _counts(column: Parsed) -> bool:
-    """Recognise a column of row numbers, which some programs write without a header."""
-    values = column.values
-    return len(values) > 2 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
 
 
 def _has_number(cells: Sequence[str], decimal: str) -> bool:

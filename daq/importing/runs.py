@@ -35,19 +35,11 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     numbers at the end of names (`t1 theta1 t2 theta2`), or by names that repeat. Each has a time of its own, or all share
     one or have none (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two masses).
     """
-    if _names_its_time(table, options):
-        return [table]
     shared = options.run is not None
     found = (
         _by_names(table, _word, shared=True) or _by_names(table, _number, shared=shared) or _by_times(table)
     )
     return found or [table]
-
-
-def _names_its_time(table: Table, options: ImportOptions) -> bool:
-    """Check whether the operator chose the time column himself, so that nothing is left to be found."""
-    wanted = str(options.columns.get("time", "")).strip()
-    return bool(wanted) and any(wanted in (c.label, str(c.number)) for c in table.columns)
 
 
 def _word(column: SourceColumn) -> Named | None:
