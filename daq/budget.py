@@ -14,10 +14,8 @@ RESEND_FOR_S = 30.0
 HOLD_FOR_S = 60.0
 
 SPARE_BYTES = 1 << 20
-LARGEST_OVERHEAD = (
-    80  # of a sample that is sent in a frame of its own and logged in a record of its own, bytes
-)
-SMALLEST_OVERHEAD = 1.08  # of frames that are full
+LARGEST_OVERHEAD, SMALLEST_OVERHEAD = 80, 1.08
+"""Bytes of a sample that is sent in a frame and logged in a record of its own; share of frames that are full."""
 SLACK_BYTES = 1 << 22
 
 

@@ -37,16 +37,13 @@ from firmware_protocol import (
 )
 
 STREAM = 0
-MAX_MISSING = (
-    1 << 22
-)  # numbers (samples times channels) that may be missing: 34 MB where the recording is made
+MAX_MISSING = 1 << 22
+"""Numbers (samples times channels) that may be missing: 34 MB where the recording is made."""
 MAX_LISTED = 200
 BOARD, SOURCE, IMPORT = "board", "source", "import"  # who made the samples, as the station noted it
 ORIGINS = {"imported": IMPORT, "source": SOURCE}
-LEAST_PPM, MOST_PPM = (
-    0.01,
-    1e5,
-)  # an oven's crystal, and a tenth: no board has a better clock, nor states a worse
+LEAST_PPM, MOST_PPM = 0.01, 1e5
+"""An oven's crystal, and a tenth: no board has a better clock, nor states a worse."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,8 +44,6 @@ def encode(exported: Exported) -> bytes:
                 **{f"id{i + 1}": text[:_LINE] or "NONE" for i, text in enumerate(texts[:5])},
             }  # fmt: skip
             with warnings.catch_warnings():
-                warnings.simplefilter(
-                    "ignore", ResourceWarning
-                )  # pyuff leaves a file to the garbage collector
+                warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves its file to the collector
                 file.write_sets(data, "add")
         return path.read_bytes()

@@ -152,9 +152,8 @@ def _moving(
     one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
     """
     kinds = {c.number: (_kind(c, said[c.number]), said[c.number].unit_text) for c in columns}
-    several = (
-        AXIS_MOVES if len(set(kinds.values())) == 1 else np.inf
-    )  # of one point or body, and of nothing else
+    of_one_point = len(set(kinds.values())) == 1
+    several = AXIS_MOVES if of_one_point else np.inf
     kept: list[SourceColumn] = []
     for column in sorted(columns, key=lambda c: (not said[c.number].angular, c.number)):
         alike = [c for c in columns if kinds[c.number] == kinds[column.number]]

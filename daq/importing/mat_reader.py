@@ -50,9 +50,7 @@ def _limit_memory() -> None:
 
 def _arrays(path: str, value: Any, depth: int) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
     """Yield the real two-dimensional arrays of a value; fields as `data.acc`, members `data(2).acc`, cells `c{1}`."""
-    if (
-        type(value) is not np.ndarray or depth > DEEPEST
-    ):  # objects and functions are arrays of a kind of their own
+    if type(value) is not np.ndarray or depth > DEEPEST:  # objects and functions are kinds of arrays
         return
     members = value.ravel(order="F")
     if value.dtype.names:

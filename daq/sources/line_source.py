@@ -210,9 +210,8 @@ def _rate_of(times: Array) -> tuple[float, float]:
     typical = float(np.median(step[step > 0])) if (step > 0).any() else 0.0
     if not typical > 0:
         raise BoardError("the time stamps do not rise; name another column, as --column time=1")
-    ones = step[
-        (step > 0.5 * typical) & (step < 1.5 * typical)
-    ]  # stamps in whole ms alternate between two steps
+    # stamps in whole ms alternate between two steps
+    ones = step[(step > 0.5 * typical) & (step < 1.5 * typical)]
     placed = StampedIndex(1.0 / float(np.mean(ones)), np.inf)
     found = fit_clock([placed.next(stamp)[0] for stamp in times], times.tolist())
     if found is None:
