@@ -26,8 +26,7 @@ AXIS_MOVES, SENSOR_MOVES, CHANNEL_MOVES = 5.0, 1.3, 20.0
 still.
 """
 
-_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?[xyz](?: .*)?")
-SENSOR = "axes of a sensor"
+_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?([xyz])(?: .*)?")
 
 REPEATS = 0.9999
 """Correlation from which on a column is another one in another unit."""
@@ -151,7 +150,8 @@ def _moving(
     """Return those of several columns that could be meant: no axis or channel that stands still beside one of its kind, in
     one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
     """
-    kinds = {c.number: (_kind(c, said[c.number]), said[c.number].unit_text) for c in columns}
+    sensor = _axes_of_a_sensor(columns, said)
+    kinds = {c.number: (("",) if sensor else _kind(c), said[c.number].unit_text) for c in columns}
     of_one_point = len(set(kinds.values())) == 1
     several = AXIS_MOVES if of_one_point else np.inf
     kept: list[SourceColumn] = []
@@ -159,7 +159,7 @@ def _moving(
         alike = [c for c in columns if kinds[c.number] == kinds[column.number]]
         first = max(alike, key=lambda c: amplitude(c.values))
         kind = kinds[column.number][0][0]
-        factor = SENSOR_MOVES if kind == SENSOR else several if kind in AXES.values() else CHANNEL_MOVES
+        factor = SENSOR_MOVES if sensor else several if kind in AXES.values() else CHANNEL_MOVES
         own, most = amplitude(column.values), amplitude(first.values)
         if factor * own < most:
             notes.append(
@@ -172,13 +172,18 @@ def _moving(
     return [c for c in columns if c in kept]
 
 
-def _kind(column: SourceColumn, said: Meaning) -> tuple[str, ...]:
+def _axes_of_a_sensor(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> bool:
+    """Check whether the columns are the three axes of one sensor of a velocity or an acceleration."""
+    names = [" ".join(words(split_unit(c.label)[0])) for c in columns]
+    axes = sorted(match[1] if (match := _AXIS.fullmatch(name)) else "" for name in names)
+    return axes == ["x", "y", "z"] and said[columns[0].number].quantity in ("velocity", "acceleration")
+
+
+def _kind(column: SourceColumn) -> tuple[str, ...]:
     """Strip a number, a letter or an axis from a name."""
     name = words(split_unit(column.label)[0])
     if len(name) == 1 and name[0] in AXES:
         return (AXES[name[0]],)
-    if said.quantity in ("velocity", "acceleration") and _AXIS.fullmatch(" ".join(name)):
-        return (SENSOR,)
     bare = [word.rstrip("0123456789") for word in name]
     return tuple(w for w in bare if len(w) > 1) or tuple(w for w in bare if w) or ("",)
 
