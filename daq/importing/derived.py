@@ -15,6 +15,10 @@ PREDICTED = 0.6
 """Share of a channel's noise that is left at most where a difference of its source predicts the noise."""
 VISIBLE = 3.0
 """So many times what a smooth oscillation leaves in them must be in the sixth differences, to be noise."""
+STRAY = 3.0
+"""So many times the usual rest a row may be off and still say how large a difference is."""
+FINEST = 1e-5
+"""Share of its range to which a logger that writes six digits rounds a number."""
 FIRST = (
     (-1.0, 1.0, 0.0),
     (0.0, -1.0, 1.0),
@@ -35,7 +39,7 @@ def is_difference(source: Array, channel: Array, order: int) -> bool:
     x, y = (values[start : min(stop, start + MAX_ROWS)] for values in (source, channel))
     if len(x) < MIN_ROWS or not (0.0 < np.ptp(x) < 1e100 and 0.0 < np.ptp(y) < 1e100):
         return False
-    steps = quantum(x) / np.ptp(x), quantum(y) / np.ptp(y)
+    steps = max(quantum(x) / np.ptp(x), FINEST), max(quantum(y) / np.ptp(y), FINEST)
     x, y = (x - x.mean()) / np.ptp(x), y / np.ptp(y)
     if _noise(y) < VISIBLE * _of_motion(y):
         return False
@@ -43,8 +47,11 @@ def is_difference(source: Array, channel: Array, order: int) -> bool:
     for kernel in map(np.array, kernels):
         reach = len(kernel) // 2
         made, target = np.convolve(x, kernel[::-1], "valid"), y[reach : len(y) - reach]
-        gain = float(made @ target) / max(float(made @ made), 1e-300)
-        rest = target - gain * made
+        gain, rest = 0.0, np.zeros(len(made))
+        for _ in range(2):  # without the rows where the logger's own steps of time differ
+            usual = np.abs(rest) <= STRAY * np.median(np.abs(rest))
+            gain = float(made[usual] @ target[usual]) / max(float(made[usual] @ made[usual]), 1e-300)
+            rest = target - gain * made
         rounding = np.hypot(steps[1], gain * steps[0] * np.linalg.norm(kernel)) / np.sqrt(12.0)
         if _noise(rest) < PREDICTED * _noise(target) and np.median(np.abs(rest)) < rounding:
             return True
