@@ -19,8 +19,8 @@ NONE = "none"
 
 def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
     """Return a file with the newest confirmed recipe in `sessions` that fits it, and a sentence on it; without any, with
-    what is proposed. A file is known by the names of its columns and the units that it states; one without names only where
-    it leaves a doubt.
+    what is proposed. A file is known by the names of its columns and the units that it states; of one without names that
+    leaves a doubt the recipe is only proposed.
     """
     tables: dict[str, Table | None] = {}
     for place, recipe in _confirmed(sessions):
@@ -34,11 +34,18 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
         table = tables[key]
         if table is None or not fits(table, recipe):
             continue
-        if any(field.name for field in recipe.fields) or _is_in_doubt(file):
-            return Look(table, Proposal(recipe, {})), (
-                f"read by the recipe that was confirmed for {place.parent.name}, whose columns and units are the same "
-                f"({place}); --recipe none reads the file without it"
+        if not any(field.name for field in recipe.fields):
+            if not _is_in_doubt(file):
+                continue
+            doubt = (
+                f"its columns have no names; it would be read by the recipe that was confirmed for {place.parent.name} "
+                "(--accept takes that, --recipe none reads the file without it)"
             )
+            return Look(table, Proposal(recipe, {}, (doubt,))), ""
+        return Look(table, Proposal(recipe, {})), (
+            f"read by the recipe that was confirmed for {place.parent.name}, whose columns and units are the same "
+            f"({place}); --recipe none reads the file without it"
+        )
     return look_at(file), ""
 
 
