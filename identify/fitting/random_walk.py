@@ -182,10 +182,10 @@ def _moved(found: Fit, walk: RandomWalk, knots: "_Knots", steps: Array) -> Place
         force = np.zeros(len(window))
         for _ in range(_PICARD):
             motion = problem.respond(theta, i, extra=-force)
+            if not np.isfinite(motion.velocity).all():
+                return None
             force = problem.frequency**2 * softer * motion.displacement
             force += problem.frequency * looser * motion.velocity
-        if not np.isfinite(force).all():
-            return None
         acting.append(-force)
     moved = Problem(found.model, found.windows, found.frequency, acting=tuple(acting))
     moved.steps = problem.steps.copy()

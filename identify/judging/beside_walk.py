@@ -134,8 +134,8 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     """Weigh a name against a walk and a law without a name, each effect beside the others; None where it loses.
 
-    The judgement gets the walk that remains beside the name, if one does. What a name leaves above the floor must be noise:
-    where a walk explains that, the name is not given.
+    Where a walk explains what one effect leaves at a sure floor, `named_with_walk` decides; else what reaches the floor gets
+    the walk that remains beside it.
     """
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
@@ -159,41 +159,47 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
                 return None
     if last.walk.evidence <= RIVALS_WITHIN * widened:
         return judged
-    return replace(judged, walk=last.walk) if baseline.adequate(final) else None
+    one_by_one = baseline.floor_is_sure and len(added) == 1
+    return None if one_by_one or not baseline.adequate(final) else replace(judged, walk=last.walk)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
     """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
 
-    None where no effect does, where a walk alone explains as much, or where the leader leaves a law without a name.
+    None where no effect does, where a walk alone reaches it, or where the leader leaves a law without a name. Of a
+    rig that drifts neither a law of time is named, for a walk is now and then like one, nor a line, which follows any
+    motion for a while.
     """
+    first = WithoutName.beside(baseline.fit, _ROUNDS)
+    if _is_enough(baseline, first.walk):
+        return None
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     gain = {
         one: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
         for one in ranked
-        if one.plausible and one.fit.chi_square < baseline.fit.chi_square
+        if one.plausible and not one.term.effect.line and one.fit.chi_square < baseline.fit.chi_square
     }
     roughly = {one: nats + walk_beside(one.fit).evidence for one, nats in gain.items()}
     leaders = sorted(roughly, key=lambda one: -roughly[one])[:_LEADERS]
     walks = {one: walk_beside(one.fit, _ROUNDS) for one in leaders}
     together = {one: gain[one] + walk.evidence for one, walk in walks.items()}
     best = max(together, key=lambda one: together[one], default=None)
-    if best is None or not walks[best].settled or walks[best].reduced > baseline.highest:
+    if best is None or not _is_enough(baseline, walks[best]):
         return None
-    first = WithoutName.beside(baseline.fit, _ROUNDS)
     widened = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
     found = decide(
         {one.name: (nats - first.walk.evidence) / widened for one, nats in together.items()},
         {one.name: one.term.effect for one in ranked},
         unnamed=first.law / widened,
         beside=smooth_law_beside(walks[best]),
-        drift_weighed=True,
     )
     if found.verdict != "named":
         return None
-    rest = tuple(replace(one, claimed=one.name in found.names) for one in ranked if one is not best)
-    named = (replace(best, claimed=True), *rest)
-    return Judgement(verdict_of(best), named, best.fit, walk=walks[best])
+    leads, *rest = (
+        replace(one, claimed=one.name in found.names, evidence=found.nats.get(one.name, one.evidence))
+        for one in (best, *(one for one in ranked if one is not best))
+    )
+    return Judgement(verdict_of(best), (leads, *rest), best.fit, walk=walks[best])
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
@@ -201,8 +207,13 @@ def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
     if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
         return judged
     alone = walk_beside(baseline.fit, _ROUNDS)
-    enough = alone.settled and alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest
+    enough = alone.evidence > RIVALS_WITHIN and _is_enough(baseline, alone)
     return replace(judged, walk=alone) if enough else judged
+
+
+def _is_enough(baseline: Baseline, walk: RandomWalk) -> bool:
+    """Check that a fit reaches the floor together with a walk."""
+    return walk.settled and walk.reduced <= baseline.highest
 
 
 def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str:
@@ -216,7 +227,7 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"Beside what is named {drift} remains."
+        return f"Beside what is named {drift} remains; with such a drift no other effect is likelier."
     apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
 

@@ -81,8 +81,8 @@ def _judged(
     | the model, and nothing is claimed | nothing is missing | the same |
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
-    | several effects together | they are named, if they pass `weighed`; else as none | not asked: two follow any guess |
-    | none | the best claim is named, if it passes `weighed`; else `by_curves` | `by_curves` |
+    | several effects together | the same; else as none | not asked: two follow any guess |
+    | none | the best claim is named, if it passes `weighed`, or one with a walk; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
     if (best is None or not best.plausible) and baseline.adequate(baseline.fit):
@@ -95,12 +95,11 @@ def _judged(
         if reached and named is not None:
             return at_a_guess(baseline, named, curves)
     else:
-        with_a_walk = None if reached else named_with_walk(baseline, ranked)
-        if with_a_walk is not None:
-            return with_a_walk
         several = None if reached else several_effects(baseline, ranked, library)
         named = named if several is None else _of_several(baseline, ranked, several)
         kept = None if named is None else weighed(baseline, named)
+        if kept is None or kept.walk is not None:  # of a rig that drifts one effect is named before several
+            kept = named_with_walk(baseline, ranked) or kept
         if kept is not None:
             return kept
     if not reached:

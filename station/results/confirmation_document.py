@@ -53,13 +53,10 @@ class ConfirmationDocument(Part):
     """The confirmed effects; `usual` and `found` are the errors of the model as given and with the effects.
 
     In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided`
-    names by "frequency" or "loss" laws that explain it and that are not distinguishable. The amplitude of some release
-    `beats`, or does not die away (`driven`).
+    names by "frequency" or "loss" laws that explain it and that are not distinguishable.
     """
 
     one_record: bool
-    beats: bool
-    driven: bool
     parts: int
     better: int
     usual: PredictedErrors

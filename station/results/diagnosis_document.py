@@ -191,6 +191,7 @@ class DiagnosisDocument(Document):
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit:
     its evidence (nats), its standard deviations after one second, and the reduced chi-square beside it. None elsewhere.
+    `caution` is what to keep in mind.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `hypotheses` are those still open, the likeliest first; `next_release` distinguishes them best, None where none can.
     `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
@@ -220,6 +221,7 @@ class DiagnosisDocument(Document):
     used: list[UsedDocument] = Field(default_factory=list)
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     walk: dict[str, Any] | None = None
+    caution: str = ""
     modes: list[ModeDocument] = Field(default_factory=list)
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: dict[str, Any] | None = None

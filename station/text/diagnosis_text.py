@@ -52,6 +52,7 @@ def told(document: DiagnosisDocument, weighing: Weighing, *, full: bool = False)
     sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
     mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
+    said.append(("caution", typeset(document.caution)))
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
     more += shares_tables(document.shares)
@@ -121,7 +122,7 @@ def confirmed_by(document: DiagnosisDocument) -> str:
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
     """Make the table of the errors of prediction on each part that was left out; none where that was not asked."""
     found = document.confirmation
-    if found is None or found.driven or not document.by_prediction:
+    if found is None or not document.by_prediction:
         return ()
     whole = "all but the large amplitudes" if found.one_record else "all, rms"
     each = zip(found.usual.by_part, found.found.by_part, strict=True)

@@ -43,7 +43,7 @@ def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmat
     evidence = Evidence(drag_nats, "named", ("quadratic_damping", "cubic_damping"), "loss")
     drag = ConfirmedEffect(Term(find_effect("quadratic_damping")), 0.3, {}, "loss", 6.0, 2.0, 2, 3, evidence)
     alike = Evidence({}, "may drift", ("cubic_stiffness", "time_varying_stiffness"), "frequency")
-    return Confirmation((), (drag,) if effects else (), usual, found, one_record, (evidence, alike))
+    return Confirmation((drag,) if effects else (), usual, found, one_record, (evidence, alike))
 
 
 def suspect(effect: str, confirmed: bool | None, **others: object) -> dict[str, object]:
