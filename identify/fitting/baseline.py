@@ -156,9 +156,13 @@ class Baseline:
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
     def stated(self, found: Fit) -> Fit:
-        """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit."""
+        """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit.
+
+        Those of the fitted model allow for a random walk of spring and damper, where a sure floor shows one.
+        """
         stated = found if self.adequate(found) else with_misfit_errors(found)
-        return with_walk_errors(stated, found) if self.walks else stated
+        may_walk = self.walks or (self.floor_is_sure and found is self.fit)
+        return with_walk_errors(stated, found) if may_walk else stated
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square that includes the faults which are corrected but not named in the model."""

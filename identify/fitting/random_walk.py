@@ -18,6 +18,7 @@ from identify.fitting.jacobian import linearise
 from identify.fitting.misfit_errors import with_covariance
 from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
+from identify.priors import RIVALS_WITHIN
 
 _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
 """Times of one window between which spring and damper change at a constant rate; else one a cycle."""
@@ -199,6 +200,8 @@ def with_walk_errors(stated: Fit, found: Fit) -> Fit:
     A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian.
     """
     walk = walk_beside(found)
+    if walk.evidence <= RIVALS_WITHIN:
+        return stated
     knots = _Knots.of(found.problem)
     inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
     scores = [
