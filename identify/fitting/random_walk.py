@@ -23,7 +23,7 @@ from identify.priors import RIVALS_WITHIN
 _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
 """Times of one window between which spring and damper change at a constant rate; else one a cycle."""
 
-_ALL_KNOTS = 100
+_ALL_KNOTS = 64
 """About the most knots of all windows together: of many each has the fewest."""
 
 _STRENGTHS = np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 19)])
@@ -219,9 +219,16 @@ def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
     `products` (..., columns, columns) are those of the columns with one another, `along` (..., columns) those with the
     misfit.
     """
-    factor = np.linalg.cholesky(np.eye(along.shape[-1]) + products)
-    explained = (np.linalg.solve(factor, along[..., None])[..., 0] ** 2).sum(axis=-1)
-    return 0.5 * explained - np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1), explained
+    n = along.shape[-1]
+    bordered = np.empty((*along.shape[:-1], n + 1, n + 1))
+    bordered[..., :n, :n] = products
+    bordered[..., range(n), range(n)] += 1.0
+    bordered[..., n, :n] = along
+    bordered[..., n, n] = 1.0 + (along**2).sum(axis=-1)  # more than is explained
+    factor = np.linalg.cholesky(bordered)  # its last row solves for the misfit
+    explained = (factor[..., n, :n] ** 2).sum(axis=-1)
+    size = np.diagonal(factor, axis1=-2, axis2=-1)[..., :n]
+    return 0.5 * explained - np.log(size).sum(axis=-1), explained
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
 
-_LEADERS, _ROUNDS = 3, 10
-"""Effects whose motion is simulated with a walk of its own, and how often at most."""
+_NEAR, _LEADERS, _ROUNDS = 6, 3, 10
+"""Effects that are weighed with a walk of their own, those whose motion is simulated with it, and how often at most."""
 
 _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
     lambda u, v, t: (u, np.ones_like(u)),
@@ -174,10 +174,10 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     if _is_enough(baseline, first.walk):
         return None
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    near = [one for one in ranked if one.plausible and not one.term.effect.line][:_NEAR]
     gain = {
         one: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
-        for one in ranked
-        if one.plausible and not one.term.effect.line and one.fit.chi_square < baseline.fit.chi_square
+        for one in near
     }
     roughly = {one: nats + walk_beside(one.fit).evidence for one, nats in gain.items()}
     leaders = sorted(roughly, key=lambda one: -roughly[one])[:_LEADERS]
