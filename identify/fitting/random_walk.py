@@ -7,7 +7,8 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -63,6 +64,12 @@ class Place:
     residual: Array
     jacobian: BlockJacobian
     walk: Array
+    knots: "_Knots"
+
+    @cached_property
+    def columns(self) -> Array:
+        """The change of the misfit by each step of the walks of stiffness and damping, (readings, 2 steps)."""
+        return np.column_stack([_responses(self, kind) for kind in range(2)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +88,9 @@ class RandomWalk:
     stiffness: float
     damping: float
     reduced: float
-    follows: Array
-    misfit: Array
-    place: Place
+    follows: Array = field(repr=False)
+    misfit: Array = field(repr=False)
+    place: Place = field(repr=False)
     settled: bool = True
 
 
@@ -95,20 +102,20 @@ def walk_beside(found: Fit, rounds: int = 0) -> RandomWalk:
     """
     knots = _Knots.of(found.problem)
     none = np.zeros((2, knots.steps))
-    place = Place(found.problem, found.theta, *found.linearised, none)
+    place = Place(found.problem, found.theta, *found.linearised, none, knots)
     square = _square(place)
-    best, steps = _likeliest(place, knots, square, found.degrees)
+    best, steps = _likeliest(place, square, found.degrees)
     if not rounds or not best.follows.shape[1]:
         return best
     left = square
     for _ in range(rounds):
-        moved = _moved(found, best, knots, steps)
+        moved = _moved(found, best.place, steps)
         cost = np.inf if moved is None else _square(moved) + float(np.sum(_in_units(steps, best) ** 2))
         if moved is None or not cost < left:
             return replace(best, settled=False)
         as_predicted = abs(cost - best.reduced * max(found.degrees, 1)) < _AS_PREDICTED
         left = cost
-        best, steps = _likeliest(moved, knots, square, found.degrees)
+        best, steps = _likeliest(moved, square, found.degrees)
         if as_predicted:
             return best
     return replace(best, settled=False)
@@ -126,14 +133,13 @@ def _in_units(steps: Array, walk: RandomWalk) -> Array:
     return np.where(sizes > 0.0, steps / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
-def _likeliest(place: Place, knots: "_Knots", square: float, degrees: int) -> tuple[RandomWalk, Array]:
+def _likeliest(place: Place, square: float, degrees: int) -> tuple[RandomWalk, Array]:
     """Weigh walks of every strength about a place, and return the likeliest with its steps (2, steps).
 
     `square` is the sum of squares that is left without any walk.
     """
-    columns = [_responses(place, knots, kind) for kind in range(2)]
-    is_spring = np.repeat([True, False], knots.steps)
-    free = place.jacobian.free(np.column_stack([place.residual, *columns]))
+    is_spring = np.repeat([True, False], place.knots.steps)
+    free = place.jacobian.free(np.column_stack([place.residual, place.columns]))
     walk = free[:, 1:]
     misfit = free[:, 0] - walk @ place.walk.ravel()
     along, products = walk.T @ misfit, walk.T @ walk
@@ -167,11 +173,9 @@ def _likeliest(place: Place, knots: "_Knots", square: float, degrees: int) -> tu
     return found, steps.reshape(2, -1)
 
 
-def _moved(found: Fit, walk: RandomWalk, knots: "_Knots", steps: Array) -> Place | None:
+def _moved(found: Fit, place: Place, steps: Array) -> Place | None:
     """Simulate a fit with a walk, its own unknowns following as predicted, and linearise there; None where that diverges."""
-    place = walk.place
-    columns = np.column_stack([_responses(place, knots, kind) for kind in range(2)])
-    ahead = place.residual + columns @ (steps - place.walk).ravel()
+    ahead = place.residual + place.columns @ (steps - place.walk).ravel()
     normal, gradient = place.jacobian.normal(), place.jacobian.gradient(ahead)
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     change = np.linalg.lstsq(normal / np.outer(own, own), -gradient / own, rcond=_SINGULAR)[0] / own
@@ -179,7 +183,7 @@ def _moved(found: Fit, walk: RandomWalk, knots: "_Knots", steps: Array) -> Place
     theta = np.clip(place.theta + change, problem.low, problem.high)
     acting: list[Array] = []
     for i, window in enumerate(problem.windows):
-        softer, looser = (knots.path(i, window, own_steps) for own_steps in steps)
+        softer, looser = (place.knots.path(i, window, own_steps) for own_steps in steps)
         force = np.zeros(len(window))
         for _ in range(_PICARD):
             motion = problem.respond(theta, i, extra=-force)
@@ -191,7 +195,9 @@ def _moved(found: Fit, walk: RandomWalk, knots: "_Knots", steps: Array) -> Place
     moved = Problem(found.model, found.windows, found.frequency, acting=tuple(acting))
     moved.steps = problem.steps.copy()
     residual, jacobian = linearise(moved, theta)
-    return Place(moved, theta, residual, jacobian, steps) if np.isfinite(residual).all() else None
+    return (
+        Place(moved, theta, residual, jacobian, steps, place.knots) if np.isfinite(residual).all() else None
+    )
 
 
 def with_walk_errors(stated: Fit, found: Fit) -> Fit:
@@ -202,13 +208,9 @@ def with_walk_errors(stated: Fit, found: Fit) -> Fit:
     walk = walk_beside(found)
     if walk.evidence <= RIVALS_WITHIN:
         return stated
-    knots = _Knots.of(found.problem)
     inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
-    scores = [
-        found.linearised[1].gradient(column) * inside
-        for kind, size in enumerate((walk.stiffness, walk.damping))
-        for column in size * _responses(walk.place, knots, kind).T
-    ]
+    sizes = np.repeat([walk.stiffness, walk.damping], walk.place.knots.steps)
+    scores = [found.linearised[1].gradient(c) * inside for c in (walk.place.columns * sizes).T]
     moved = found.covariance @ np.column_stack(scores)
     return with_covariance(stated, stated.covariance + moved @ moved.T)
 
@@ -220,7 +222,7 @@ def explained_by(products: Array, along: Array) -> tuple[Array, Array]:
     misfit.
     """
     n = along.shape[-1]
-    bordered = np.empty((*along.shape[:-1], n + 1, n + 1))
+    bordered = np.zeros((*along.shape[:-1], n + 1, n + 1))
     bordered[..., :n, :n] = products
     bordered[..., range(n), range(n)] += 1.0
     bordered[..., n, :n] = along
@@ -268,8 +270,9 @@ class _Knots:
         return np.interp(window.clock, self.times[i], self.values[i] @ steps)
 
 
-def _responses(place: Place, knots: _Knots, kind: int) -> Array:
+def _responses(place: Place, kind: int) -> Array:
     """Return the change of the misfit by each step of the walk of the stiffness (0) or damping (1), (readings, steps)."""
+    knots = place.knots
     problem, blocks, omega = place.problem, [], place.problem.frequency
     for i, window in enumerate(problem.windows):
         motion = problem.respond(place.theta, i, problem.substeps(place.theta, i, tangent=True))

@@ -159,8 +159,8 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
                 return None
     if last.walk.evidence <= RIVALS_WITHIN * widened:
         return judged
-    one_by_one = baseline.floor_is_sure and len(added) == 1
-    return None if one_by_one or not baseline.adequate(final) else replace(judged, walk=last.walk)
+    left_to_others = baseline.floor_is_sure and len(added) == 1
+    return None if left_to_others or not baseline.adequate(final) else replace(judged, walk=last.walk)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
