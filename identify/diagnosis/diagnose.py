@@ -234,8 +234,6 @@ def diagnose(
     baseline, judgement = _searched(first, whole, library, progress)
     judgement = large_enough(baseline, judgement, worth)
     whole = whole if baseline is first else carried(whole, baseline)  # other noise, another floor
-    if judgement.walk is not None and judgement.verdict in ("missing_effect", "sensor_fault"):
-        baseline = replace(baseline, walks=True)
     settled = _settled(baseline, judgement)
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
@@ -283,8 +281,7 @@ def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
     """Judge the fit with what was found against the noise floor that its own residual shows."""
     settled = baseline
     if judgement.final is not baseline.fit:
-        refitted = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
-        settled = replace(refitted, walks=baseline.walks)
+        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
     return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
 
 

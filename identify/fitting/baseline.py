@@ -1,6 +1,7 @@
 """The baseline: a model fitted to releases, and the noise floor to which its residual is compared."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from identify.fitting.initial_values import initial_values, regress_model
 from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
-from identify.fitting.random_walk import with_walk_errors
+from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
 from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
@@ -116,15 +117,11 @@ _STALE_OFF = 3.5
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    """A model fitted to releases, and the noise floor to which its residual is compared.
-
-    `walks` says that spring and damper walk at random beside what is named, so that errors have to allow for it.
-    """
+    """A model fitted to releases, and the noise floor to which its residual is compared."""
 
     decays: tuple[PreparedDecay, ...]
     fit: Fit
     floors: tuple[Floor, ...]
-    walks: bool = False
 
     @property
     def spread(self) -> float:
@@ -155,14 +152,21 @@ class Baseline:
         """The probability of a false claim that is allowed on these records."""
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
+    @cached_property
+    def walk(self) -> RandomWalk:
+        """The random walk of spring and damper beside the fitted model."""
+        return walk_beside(self.fit)
+
     def stated(self, found: Fit) -> Fit:
         """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit.
 
-        Those of the fitted model allow for a random walk of spring and damper, where a sure floor shows one.
+        They allow for a random walk of spring and damper, where there is one beside a fit near the noise or a sure floor.
         """
-        stated = found if self.adequate(found) else with_misfit_errors(found)
-        may_walk = self.walks or (self.floor_is_sure and found is self.fit)
-        return with_walk_errors(stated, found) if may_walk else stated
+        adequate = self.adequate(found)
+        stated = found if adequate else with_misfit_errors(found)
+        if not adequate and not self.floor_is_sure:
+            return stated
+        return with_walk_errors(stated, self.walk if found is self.fit else walk_beside(found))
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square that includes the faults which are corrected but not named in the model."""

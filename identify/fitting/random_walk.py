@@ -39,6 +39,12 @@ _PROBE = 1e-5
 _MOVED = 0.02
 """Root mean square change of the readings, in units of the noise, at which a response is taken."""
 
+_ROUNDS = 10
+"""How often at most the misfit is linearised again at a motion with a walk."""
+
+_FAR, _ALIKE = 2.0, 0.1
+"""Reduced chi-square above which no floor lies, and the relative change of two predictions that end the rounds there."""
+
 _PICARD = 12
 """How often the motion with a walk is simulated, the force of the walk taken along the last one."""
 
@@ -53,12 +59,13 @@ _JUMP = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where the misfit of a fit is linearised: its unknowns (unknowns,), misfit (readings,) and Jacobian, and the `walk`.
+    """Where the misfit of the fit `found` is linearised: its unknowns (unknowns,), misfit (readings,) and Jacobian.
 
-    The walk that acts there has so many steps of the stiffness and of the damping, (2, steps), in units of one standard
+    The `walk` that acts there has so many steps of the stiffness and of the damping, (2, steps), in units of one standard
     deviation of a walk of variance 1 after one second.
     """
 
+    found: Fit
     problem: Problem
     theta: Array
     residual: Array
@@ -78,47 +85,56 @@ class RandomWalk:
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
-    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves. `follows` is what
-    its steps of one standard deviation change of the misfit, less what the fit's own unknowns follow, (readings, steps), and
-    `misfit` the misfit without any walk, (readings,), both linear about `place`. `settled` says that a simulation with the
-    walk leaves as much as these predict.
+    angular frequency of the motion. `left` is the chi-square that the likeliest walk leaves, of its `steps` (2, steps), and
+    `without` that without any walk. `follows` is what its steps of one standard deviation change of the misfit, less what
+    the fit's own unknowns follow, (readings, steps), and `misfit` the misfit without any walk, (readings,), both linear
+    about `place`. `settled` says that a simulation with the walk leaves as much as these predict.
     """
 
     evidence: float
     stiffness: float
     damping: float
-    reduced: float
+    left: float
+    without: float
+    steps: Array = field(repr=False)
     follows: Array = field(repr=False)
     misfit: Array = field(repr=False)
     place: Place = field(repr=False)
     settled: bool = True
 
+    @property
+    def reduced(self) -> float:
+        """The reduced chi-square that the likeliest walk leaves."""
+        return self.left / max(self.place.found.degrees, 1)
 
-def walk_beside(found: Fit, rounds: int = 0) -> RandomWalk:
-    """Estimate the random walk of spring and damper that explains the residual of a fit.
+    @cached_property
+    def simulated(self) -> "RandomWalk":
+        """The walk with which the motion is simulated, and linearised again there until that leaves what was predicted.
 
-    It is linear in the walk; in so many `rounds` at most the motion is simulated with the walk, and linearised again there
-    (Gauss-Newton), until the simulation leaves what was predicted.
-    """
+        Gauss-Newton, a few rounds at most.
+        """
+        if not self.follows.shape[1]:
+            return self
+        best, left = self, self.without
+        for _ in range(_ROUNDS):
+            moved = _moved(best)
+            cost = np.inf if moved is None else _square(moved) + float(np.sum(_in_units(best) ** 2))
+            if moved is None or not cost < left:
+                break
+            as_predicted = abs(cost - best.left) < _AS_PREDICTED
+            before, best, left = best, _likeliest(moved, self.without), cost
+            if as_predicted:
+                return best
+            if best.reduced > _FAR and abs(best.left - before.left) < _ALIKE * best.left:
+                break
+        return replace(best, settled=False)
+
+
+def walk_beside(found: Fit) -> RandomWalk:
+    """Estimate the random walk of spring and damper that explains the residual of a fit, which is taken for linear in it."""
     knots = _Knots.of(found.problem)
-    none = np.zeros((2, knots.steps))
-    place = Place(found.problem, found.theta, *found.linearised, none, knots)
-    square = _square(place)
-    best, steps = _likeliest(place, square, found.degrees)
-    if not rounds or not best.follows.shape[1]:
-        return best
-    left = square
-    for _ in range(rounds):
-        moved = _moved(found, best.place, steps)
-        cost = np.inf if moved is None else _square(moved) + float(np.sum(_in_units(steps, best) ** 2))
-        if moved is None or not cost < left:
-            return replace(best, settled=False)
-        as_predicted = abs(cost - best.reduced * max(found.degrees, 1)) < _AS_PREDICTED
-        left = cost
-        best, steps = _likeliest(moved, square, found.degrees)
-        if as_predicted:
-            return best
-    return replace(best, settled=False)
+    place = Place(found, found.problem, found.theta, *found.linearised, np.zeros((2, knots.steps)), knots)
+    return _likeliest(place, _square(place))
 
 
 def _square(place: Place) -> float:
@@ -127,17 +143,14 @@ def _square(place: Place) -> float:
     return float(free @ free)
 
 
-def _in_units(steps: Array, walk: RandomWalk) -> Array:
-    """Return steps (2, steps) in standard deviations of a walk, 0 where it has none."""
+def _in_units(walk: RandomWalk) -> Array:
+    """Return the steps of a walk (2, steps) in its standard deviations, 0 where it has none."""
     sizes = np.array([[walk.stiffness], [walk.damping]])
-    return np.where(sizes > 0.0, steps / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+    return np.where(sizes > 0.0, walk.steps / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
-def _likeliest(place: Place, square: float, degrees: int) -> tuple[RandomWalk, Array]:
-    """Weigh walks of every strength about a place, and return the likeliest with its steps (2, steps).
-
-    `square` is the sum of squares that is left without any walk.
-    """
+def _likeliest(place: Place, without: float) -> RandomWalk:
+    """Weigh walks of every strength about a place and return the likeliest; `without` is chi-square without any walk."""
     is_spring = np.repeat([True, False], place.knots.steps)
     free = place.jacobian.free(np.column_stack([place.residual, place.columns]))
     walk = free[:, 1:]
@@ -149,8 +162,8 @@ def _likeliest(place: Place, square: float, degrees: int) -> tuple[RandomWalk, A
         both = products * scale[:, :, None] * scale[:, None, :]
         likelihood[row], explained[row] = explained_by(both, along * scale)
     unwalked = float(misfit @ misfit)
-    likelihood += 0.5 * (square - unwalked)
-    likelihood[0, 0], explained[0, 0] = 0.0, unwalked - square
+    likelihood += 0.5 * (without - unwalked)
+    likelihood[0, 0], explained[0, 0] = 0.0, unwalked - without
     is_there = np.array(_STRENGTHS > 0.0, dtype=float)
     stated = likelihood - _EACH * (is_there[:, None] + is_there)
     i, j = np.unravel_index(np.argmax(stated), stated.shape)
@@ -161,20 +174,22 @@ def _likeliest(place: Place, square: float, degrees: int) -> tuple[RandomWalk, A
     steps = np.zeros(len(sizes))
     if i or j:
         steps = -sizes * np.linalg.solve(np.eye(len(sizes)) + follows.T @ follows, follows.T @ misfit)
-    found = RandomWalk(
-        float(np.logaddexp(0.0, mean) - np.log(2.0)),
-        float(_STRENGTHS[i]),
-        float(_STRENGTHS[j]),
-        (unwalked - float(explained[i, j])) / max(degrees, 1),
-        follows,
-        misfit,
-        place,
+    return RandomWalk(
+        evidence=float(np.logaddexp(0.0, mean) - np.log(2.0)),
+        stiffness=float(_STRENGTHS[i]),
+        damping=float(_STRENGTHS[j]),
+        left=unwalked - float(explained[i, j]),
+        without=without,
+        steps=steps.reshape(2, -1),
+        follows=follows,
+        misfit=misfit,
+        place=place,
     )
-    return found, steps.reshape(2, -1)
 
 
-def _moved(found: Fit, place: Place, steps: Array) -> Place | None:
+def _moved(walk: RandomWalk) -> Place | None:
     """Simulate a fit with a walk, its own unknowns following as predicted, and linearise there; None where that diverges."""
+    place, found, steps = walk.place, walk.place.found, walk.steps
     ahead = place.residual + place.columns @ (steps - place.walk).ravel()
     normal, gradient = place.jacobian.normal(), place.jacobian.gradient(ahead)
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
@@ -196,16 +211,18 @@ def _moved(found: Fit, place: Place, steps: Array) -> Place | None:
     moved.steps = problem.steps.copy()
     residual, jacobian = linearise(moved, theta)
     return (
-        Place(moved, theta, residual, jacobian, steps, place.knots) if np.isfinite(residual).all() else None
+        Place(found, moved, theta, residual, jacobian, steps, place.knots)
+        if np.isfinite(residual).all()
+        else None
     )
 
 
-def with_walk_errors(stated: Fit, found: Fit) -> Fit:
+def with_walk_errors(stated: Fit, walk: RandomWalk) -> Fit:
     """Widen the `stated` errors of a fit by what the random walk beside it does to the values of least squares.
 
     A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian.
     """
-    walk = walk_beside(found)
+    found = walk.place.found
     if walk.evidence <= RIVALS_WITHIN:
         return stated
     inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])

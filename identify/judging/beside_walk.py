@@ -13,7 +13,7 @@ The misfit is taken for linear in it, as in a random walk, which is part of ever
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -22,7 +22,7 @@ from identify.arrays import Array
 from identify.effects.effect import Effect
 from identify.evidence import Evidence, decide, evidence
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit, fit
+from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
@@ -34,8 +34,8 @@ from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
 
-_NEAR, _LEADERS, _ROUNDS = 6, 3, 10
-"""Effects that are weighed with a walk of their own, those whose motion is simulated with it, and how often at most."""
+_NEAR, _LEADERS = 6, 3
+"""Effects that are weighed with a walk of their own, and those of them whose motion is simulated with it."""
 
 _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
     lambda u, v, t: (u, np.ones_like(u)),
@@ -98,35 +98,24 @@ def _laws(problem: Problem, theta: Array) -> Iterator[Array]:
         yield np.concatenate([*windows, off])
 
 
-@dataclass(frozen=True)
-class WithoutName:
-    """What may act beside a fit: a random walk of spring and damper, and beside it a smooth law with its evidence (nats)."""
-
-    walk: RandomWalk
-    law: float
-
-    @classmethod
-    def beside(cls, found: Fit, rounds: int = 0) -> "WithoutName":
-        """Weigh both beside a fit, the motion simulated with the walk in so many `rounds`."""
-        walk = walk_beside(found, rounds)
-        return cls(walk, smooth_law_beside(walk))
-
-
 def weigh(
-    before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName, widened: float = 1.0
+    before: RandomWalk,
+    nats: dict[str, float],
+    effects: dict[str, Effect],
+    last: RandomWalk,
+    widened: float = 1.0,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
-    `last` is the fit with the leader; the others explain as much, and leave as much. `widened` is the dispersion in which
-    `nats` were counted.
+    `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
+    as much. `widened` is the dispersion in which `nats` were counted.
     """
-    first = WithoutName.beside(before)
-    shift = (last.walk.evidence - first.walk.evidence) / widened
+    shift = (last.evidence - before.evidence) / widened
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
-        unnamed=first.law / widened,
-        beside=last.law / widened,
+        unnamed=smooth_law_beside(before) / widened,
+        beside=smooth_law_beside(last) / widened,
         drift_weighed=True,
     )
 
@@ -141,26 +130,26 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
     if not added:
         return judged
-    last = WithoutName.beside(final)
+    last = walk_beside(final)
     widened = 1.0
     if len(added) == 1:
         widened = dispersion(baseline, [one.fit for one in judged.ranked if one.plausible])
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
-        if weigh(baseline.fit, nats, effects, last, widened).verdict != "named":
+        if weigh(baseline.walk, nats, effects, last, widened).verdict != "named":
             return None
     else:
         scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
         for effect in added:
             less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
             nats = {effect.name: evidence(less, final, scales)}
-            if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
+            if weigh(walk_beside(less), nats, {effect.name: effect}, last).verdict != "named":
                 return None
-    if last.walk.evidence <= RIVALS_WITHIN * widened:
+    if last.evidence <= RIVALS_WITHIN * widened:
         return judged
     left_to_others = baseline.floor_is_sure and len(added) == 1
-    return None if left_to_others or not baseline.adequate(final) else replace(judged, walk=last.walk)
+    return None if left_to_others or not baseline.adequate(final) else replace(judged, walk=last)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
@@ -170,8 +159,8 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     rig that drifts neither a law of time is named, for a walk is now and then like one, nor a line, which follows any
     motion for a while.
     """
-    first = WithoutName.beside(baseline.fit, _ROUNDS)
-    if _is_enough(baseline, first.walk):
+    alone = baseline.walk.simulated
+    if _is_enough(baseline, alone):
         return None
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     near = [one for one in ranked if one.plausible and not one.term.effect.line][:_NEAR]
@@ -179,18 +168,18 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
         one: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
         for one in near
     }
-    roughly = {one: nats + walk_beside(one.fit).evidence for one, nats in gain.items()}
-    leaders = sorted(roughly, key=lambda one: -roughly[one])[:_LEADERS]
-    walks = {one: walk_beside(one.fit, _ROUNDS) for one in leaders}
+    linear = {one: walk_beside(one.fit) for one in near}
+    leaders = sorted(near, key=lambda one: -(gain[one] + linear[one].evidence))[:_LEADERS]
+    walks = {one: linear[one].simulated for one in leaders}
     together = {one: gain[one] + walk.evidence for one, walk in walks.items()}
     best = max(together, key=lambda one: together[one], default=None)
     if best is None or not _is_enough(baseline, walks[best]):
         return None
     widened = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
     found = decide(
-        {one.name: (nats - first.walk.evidence) / widened for one, nats in together.items()},
+        {one.name: (nats - alone.evidence) / widened for one, nats in together.items()},
         {one.name: one.term.effect for one in ranked},
-        unnamed=first.law / widened,
+        unnamed=smooth_law_beside(alone) / widened,
         beside=smooth_law_beside(walks[best]),
     )
     if found.verdict != "named":
@@ -206,7 +195,7 @@ def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
     """Give a judgement without a name, at a sure floor, the random walk that explains all of the misfit, if one does."""
     if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
         return judged
-    alone = walk_beside(baseline.fit, _ROUNDS)
+    alone = baseline.walk.simulated
     enough = alone.evidence > RIVALS_WITHIN and _is_enough(baseline, alone)
     return replace(judged, walk=alone) if enough else judged
 

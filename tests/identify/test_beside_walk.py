@@ -6,7 +6,7 @@ from releases import ready
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
-from identify.judging.beside_walk import WithoutName
+from identify.judging.beside_walk import smooth_law_beside
 from identify.model.model import base_model
 from mocks.generate import draw
 
@@ -27,7 +27,7 @@ def walk(truth, name):
 )
 def test_the_strength_of_a_walk_is_found(name, found):
     prepared, truth = release(name, 0.0003, 1)
-    wander = walk_beside(fit_baseline((prepared,), base_model()).fit)
+    wander = fit_baseline((prepared,), base_model()).walk
     assert wander.evidence > 10.0
     assert wander.reduced < 1.1
     # One walk of eight seconds tells its strength to about a factor of two.
@@ -36,7 +36,7 @@ def test_the_strength_of_a_walk_is_found(name, found):
 
 def test_white_noise_shows_no_wander():
     prepared, _ = release(None, 0.0, 4)
-    wander = walk_beside(fit_baseline((prepared,), base_model()).fit)
+    wander = fit_baseline((prepared,), base_model()).walk
     assert wander.evidence < 0.0  # the odds are against one
 
 
@@ -94,10 +94,10 @@ def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     prepared, _ = release("cubic_stiffness", 0.003, 7)
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
-    beside = WithoutName.beside(found.final)
-    assert max(beside.walk.evidence, beside.law) < 0.0
-    alone = WithoutName.beside(fit_baseline((prepared,), base_model()).fit)
-    assert 0.0 < alone.walk.evidence + alone.law < found.suspects[0].evidence
+    beside = walk_beside(found.final)
+    assert max(beside.evidence, smooth_law_beside(beside)) < 0.0
+    alone = fit_baseline((prepared,), base_model()).walk
+    assert 0.0 < alone.evidence + smooth_law_beside(alone) < found.suspects[0].evidence
 
 
 @pytest.mark.slow
@@ -139,7 +139,7 @@ def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, wal
 def test_a_walk_is_followed_beyond_where_the_motion_is_linear_in_it():
     """Taken as linear, a walk that turns the phase leaves a misfit that a law could be named for."""
     fitted = fit_baseline((release("wandering_stiffness", 0.003, 31005)[0],), base_model())
-    linear, followed = walk_beside(fitted.fit), walk_beside(fitted.fit, 10)
+    linear, followed = fitted.walk, fitted.walk.simulated
     assert linear.reduced > 1.5
     assert followed.settled
     assert followed.reduced < 1.2
