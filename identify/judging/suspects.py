@@ -116,9 +116,7 @@ def try_terms(
     tried: list[Candidate] = []
     enough = goal or 0.0
     for done, beginning in enumerate(begun, len(terms) + 1):
-        if len({c.name for c in tried}) == _LEADERS:
-            if goal is not None:
-                break
+        if goal is None and len({c.name for c in tried}) == _LEADERS:
             enough = _BEHIND * min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
         start = dict(zip((u.name for u in beginning.problem.unknowns), beginning.theta.tolist(), strict=True))
         close = beginning.cost <= base.chi_square
