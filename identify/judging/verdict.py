@@ -30,7 +30,7 @@ HEADLINES: dict[Verdict, str] = {
     "missing_effect": "A force is missing",
     "sensor_fault": "A sensor is at fault",
     "nothing_missing": "Nothing is missing",
-    "unknown_effect": "Something is missing that has no name here",
+    "unknown_effect": "Something is missing, and no effect can be named",
     "unconfirmed": "No known effect predicts the residual",
     "driven": "The motion is driven",
     "not_enough_data": "Not enough data",
