@@ -3,11 +3,9 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.recording import Recording
 from daq.sensor_faults import FlaggedRun
-from identify.arrays import Array
 from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -171,27 +169,3 @@ def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER
     axes[0].set_ylabel(literal(f"{weighing.worded()} [{unit}]"))
     axes[0].legend(loc="upper left")
     return drawn
-
-
-def mesh(found: RestoringForceResult) -> tuple[Array, NDArray[np.uint32]]:
-    """Return the fitted surface over the region that was visited: vertices (n, 3) of u, v, f, and triangles (m, 3).
-
-    The region is the hull of the measured points: a decay winds inwards and leaves nothing inside it out.
-    """
-    from matplotlib.path import Path
-    from scipy.interpolate import RegularGridInterpolator
-    from scipy.spatial import ConvexHull, Delaunay
-
-    reach = np.array([np.ptp(found.displacement), np.ptp(found.velocity)])
-    measured = np.column_stack([found.displacement, found.velocity]) / reach
-    corners = measured[ConvexHull(measured).vertices]
-    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
-    grid = np.column_stack([u.ravel(), v.ravel()]) / reach
-    inside = grid[Path(corners).contains_points(grid)]
-    plane = np.vstack([inside, corners])
-    triangles = Delaunay(plane).simplices.astype(np.uint32)
-    force = RegularGridInterpolator(
-        (found.grid_velocity, found.grid_displacement), found.surface, bounds_error=False, fill_value=None
-    )
-    points = plane * reach
-    return np.column_stack([points, force(points[:, ::-1])]), triangles
