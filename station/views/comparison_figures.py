@@ -6,7 +6,6 @@ import numpy as np
 
 from identify.comparison.compare import Comparison
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
 from station.views.figure import Axes, LinearSegmentedColormap, Picture, figure, literal, points, zero_lines
@@ -82,29 +81,19 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    _section(at_reversal, up, factor, units, "^-", look, "moving to the positive side")
-    _section(at_reversal, down, factor, units, "v--", look, "moving to the negative side")
+    for axis, cut, size, form, colour, label in (
+        (at_reversal, up, factor, "^-", look.second, "moving to the positive side"),
+        (at_reversal, down, factor, "v--", look.model, "moving to the negative side"),
+        (at_middle, plane.section_at_middle, 1.0, "o-", look.second, ""),
+    ):
+        force, std = cut.force * units.force_scale, cut.std * units.force_scale
+        points(axis, cut.position * size, force, std, form, colour, label)
+        zero_lines(axis, look)
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     drawn.legend(*at_reversal.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    _section(at_middle, plane.section_at_middle, 1.0, units, "o-", look)
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return drawn
-
-
-def _section(
-    axis: Axes,
-    cut: ForceSection,
-    factor: float,
-    units: DiscrepancyText,
-    form: str,
-    look: Look,
-    label: str = "",
-) -> None:
-    colour = look.model if form.startswith("v") else look.second
-    force, std = cut.force * units.force_scale, cut.std * units.force_scale
-    points(axis, cut.position * factor, force, std, form, colour, label)
-    zero_lines(axis, look)
 
 
 def cycles(found: Comparison, look: Look = PAPER) -> Picture:

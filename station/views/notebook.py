@@ -4,6 +4,7 @@ from functools import singledispatch
 
 import numpy as np
 
+from daq.recording import Channel, Recording
 from identify.comparison.compare import Comparison
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.diagnose import Diagnosis
@@ -17,8 +18,6 @@ from station.story.engineering_values import Weighing
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
 from station.views.palette import PAPER
-
-MEASURED, MODEL = PAPER.measured, PAPER.model
 
 
 def draw(result: object) -> Picture:
@@ -34,27 +33,23 @@ def _drawn(result: object) -> Picture:
 
 @_drawn.register
 def _free_decay(decay: FreeDecay) -> Picture:
-    units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s²"}
-    picture, axes = figure(PAPER, 1.7 * len(decay.channels) + 0.4, len(decay.channels), sharex=True)
-    for axis, (name, values) in zip(axes, decay.channels.items(), strict=True):
-        axis.plot(decay.time, values, color=MEASURED, linewidth=0.8)
-        axis.set_ylabel(literal(f"{name} [{units[name]}]"))
-        if decay.start:
-            axis.axvline(
-                decay.start / decay.rate, color=MODEL, linewidth=0.8, linestyle="--", label="release"
-            )
-            axis.legend(frameon=False, loc="upper right")
-    axes[-1].set_xlabel("time [s]")
-    return picture
+    units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s^2"}
+    recording = Recording(
+        rate=decay.rate,
+        channels=tuple(Channel(name, name, units[name]) for name in decay.channels),
+        samples=np.array(list(decay.channels.values())),
+        valid=decay.known,
+    )
+    return identification_figures.record(recording, decay.start / decay.rate or None)
 
 
 @_drawn.register
 def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
     picture, axes = figure(PAPER, 3.2, 1, 2)
-    axes[0].plot(prepared.time, motion.displacement, color=MEASURED, linewidth=0.8)
+    axes[0].plot(prepared.time, motion.displacement, color=PAPER.measured, linewidth=0.8)
     axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
-    axes[1].plot(motion.displacement, prepared.restoring, ".", color=MEASURED, markersize=1.5)
+    axes[1].plot(motion.displacement, prepared.restoring, ".", color=PAPER.measured, markersize=1.5)
     axes[1].set(
         xlabel=literal(f"displacement [{unit}]"),
         ylabel=literal(f"restoring {Weighing(unit=unit).worded()} [{unit}/s²]"),
