@@ -117,7 +117,7 @@ def methods(found: Findings) -> list[Part]:
     if result is None:
         return []
     why = facts(identification_text.reasons(result))
-    if result.wavelet is None and result.restoring_force is None:
+    if not result.methods:
         return [*why]
     words = Paragraph(identification_text.told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit

@@ -1,4 +1,4 @@
-"""The values that a test report quotes: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
+"""The values that a test report quotes, in N, kg and s, Hz and 1, each with the parts of its error."""
 
 import math
 import re
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from identify.clock_error import power_in
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
@@ -116,6 +117,42 @@ def _has_mass(effect: Effect) -> bool:
 
 
 UNKNOWN = Weighing()
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Standard errors of one value, in its unit: of readings and clock, calibration, mass; None where not stated."""
+
+    readings: float
+    calibration: float | None
+    mass: float | None
+
+    @property
+    def total(self) -> float | None:
+        """The combined standard uncertainty (GUM); None where a part is not known."""
+        if self.calibration is None or self.mass is None:
+            return None
+        return math.hypot(self.readings, self.calibration, self.mass)
+
+
+def budget(
+    one: EngineeringValue, calibration: float | None, mass_share: float | None, length: str = "m"
+) -> Budget:
+    """Split the error of a value into its parts.
+
+    `calibration` is the relative uncertainty of the sensors' scale, `mass_share` that of the mass, None where not stated.
+    The scale of the sensors enters a value by the power of `length` ("m" or "rad") in its unit per unit mass: not at all
+    in a stiffness or a frequency, once in a friction force.
+    """
+    value, bare = one.value, one.per_mass
+    readings: float = value.std
+    mass: float | None = 0.0
+    if bare is not None:
+        readings = bare.std * abs(value.value / bare.value) if bare.value else bare.std
+        mass = None if mass_share is None else abs(value.value) * mass_share
+    power = abs(power_in((bare or value).unit, {length: 1}))
+    scale = 0.0 if power == 0 else None if calibration is None else power * calibration * abs(value.value)
+    return Budget(readings, scale, mass)
 
 
 def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, ...]:

@@ -10,7 +10,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
-from station.story.adequacy import Adequacy
+from station.story.adequacy import Adequacy, Method
 from station.story.engineering_values import Weighing
 
 
@@ -32,6 +32,11 @@ class Identification:
     restoring_force: RestoringForceResult | None
     refusals: dict[str, str]
     adequacy: Adequacy | None = None
+
+    @property
+    def methods(self) -> tuple[Method, ...]:
+        """The results of the methods that found something."""
+        return tuple(method for method in (self.wavelet, self.restoring_force) if method is not None)
 
     @property
     def weighing(self) -> Weighing:

@@ -1,7 +1,7 @@
 """The whole analysis from a recording to the ladder, one function a step; each takes the results of the last one.
 
 - `identify`: recording -> release, noise, alignment, wavelet, restoring force
-- `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
+- `adequacy`: prepared decay, both methods -> the judgement on the model that they identified (station.story.adequacy)
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
 - `identify.diagnosis.diagnose.diagnose`: prepared decays, model -> what the model lacks
@@ -19,12 +19,11 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
-from identify.model.model import model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
-from station.story.adequacy import adequacy, needed_orders
+from station.story.adequacy import needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.known_model import KnownModel
@@ -39,8 +38,6 @@ _BACKBONE = set(STIFFNESS_ORDERS[-1])
 _ROUNDS = 4
 """An order that one method takes over may make the other need one more."""
 
-DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
-
 
 def silent(*said: object) -> None:
     """Report no progress."""
@@ -52,30 +49,24 @@ def identify(recording: Recording, options: Options, found: AlignedDecay | None 
     `found` is what `locate` returns, where that is known. Raises NotIdentifiable when no release can be found, since
     nothing can follow then.
     """
-    refusals: dict[str, str] = {}
+    found = found or locate(recording, options)
+    aligned, refusals = found.decay, {"alignment": found.not_aligned} if found.not_aligned else {}
+    orders = (options.max_order, options.stiffness_orders)
 
-    def attempt(step: str, act: Callable[[], Value]) -> Value | None:
+    def attempt(step: str, method: Callable[..., Value]) -> Value | None:
         try:
-            return act()
+            return method(aligned, *orders)
         except NotIdentifiable as refusal:
             refusals[step] = str(refusal)
             return None
 
-    found = found or locate(recording, options)
-    decay, alignment, aligned = found.recorded, found.alignment, found.decay
-    if found.not_aligned:
-        refusals["alignment"] = found.not_aligned
-
-    orders = (options.max_order, options.stiffness_orders)
-    wavelet = None
-    if decay.driven:
-        refusals["wavelet"] = DRIVEN
-    else:
-        wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, *orders))
-    restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
+    wavelet = attempt("wavelet", identify_wavelet)
+    restoring_force = attempt("restoring_force", identify_restoring_force)
     if wavelet is not None and restoring_force is not None:
         wavelet, restoring_force = _with_the_same_orders(aligned, wavelet, restoring_force, options.max_order)
-    return Identification(decay, found.release, alignment, aligned, wavelet, restoring_force, refusals)
+    return Identification(
+        found.recorded, found.release, found.alignment, aligned, wavelet, restoring_force, refusals
+    )
 
 
 def _with_the_same_orders(
@@ -101,18 +92,6 @@ def _with_the_same_orders(
             )
             return wavelet, replace(force, reason=f"{force.reason}; {remedy}")
     return wavelet, force
-
-
-def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
-    """Judge the model of an identification and add the judgement; nothing is added where nothing was identified.
-
-    `doubt` is what the verdict on the recording holds against its values.
-    """
-    methods = [method for method in (result.wavelet, result.restoring_force) if method is not None]
-    if not methods:
-        return result
-    model = model_of_orders(*needed_orders(methods))
-    return replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
 def compare(name: str, prepared: PreparedDecay, known: KnownModel) -> Compared:

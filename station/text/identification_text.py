@@ -27,7 +27,7 @@ def told(name: str, result: Identification, *, full: bool = False) -> Told:
     words = f"{reason} Do not quote its values." if reason else "Nothing was identified."
     if found is not None:
         words = sentence(judgement(found))
-    table = (methods_table(result, full=full),) if result.wavelet or result.restoring_force else ()
+    table = (methods_table(result, full=full),) if result.methods else ()
     return Told(f"{name}: {words}", tone, (*facts(_facts(result)), *table, *facts(reasons(result))))
 
 
