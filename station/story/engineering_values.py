@@ -14,27 +14,6 @@ from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
 
-_TIMES_MASS = {
-    "1/s^2": "N/m",
-    "m/s^2": "N",
-    "1/s": "N s/m",
-    "1/m": "kg/m",
-    "s/m^2": "kg s/m^2",
-    "1/(s^2 m)": "N/m^2",
-    "1/(m s^2)": "N/m^2",
-    "1/(s^2 m^2)": "N/m^3",
-    "1/(m^2 s^2)": "N/m^3",
-    "1/(m^4 s^2)": "N/m^5",
-    "1/(m^2 s)": "N s/m^3",
-}
-_TIMES_INERTIA = {
-    "1/s^2": "N m/rad",
-    "rad/s^2": "N m",
-    "1/s": "N m s/rad",
-    "1/rad": "N m s^2/rad^2",
-    "s/rad^2": "N m s^3/rad^3",
-}
-
 _NAMES = {
     LinearPart.STIFFNESS: "stiffness K",
     LinearPart.DRY_FRICTION: "friction force",
@@ -82,11 +61,9 @@ class Weighing:
         """
         if self.mass is None or found is None or found.value is None or found.unit in ("", "1"):
             return found
-        known, kg = (_TIMES_INERTIA, "kg m^2") if self.unit == "rad" else (_TIMES_MASS, "kg")
-        unit = known.get(found.unit) or f"{kg} {found.unit}".replace(" 1/", "/")
         std = math.nan if found.std is None else found.std
         error = math.hypot(std * self.mass, found.value * (self.mass_std or 0.0))
-        return Estimate(found.value * self.mass, error, unit)
+        return Estimate(found.value * self.mass, error, _times_mass(found.unit, self.unit))
 
     def weighed(self, effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Return the parameters of an effect with the mass in its strength, the first of them, if it is a force.
@@ -114,6 +91,25 @@ class Weighing:
 
 def _has_mass(effect: Effect) -> bool:
     return isinstance(effect, ForceEffect) and not effect.relative
+
+
+def _times_mass(unit: str, length: str) -> str:
+    """Return the unit of a mass, of an inertia where the length is "rad", times a unit: "N/m" for "1/s^2"."""
+    kg, force = ("kg m^2", "N m") if length == "rad" else ("kg", "N")
+    powers = {"s": 2 + power_in(unit, {"s": 1}), length: power_in(unit, {length: 1}) - 1}
+    other = set(re.findall("[A-Za-z]+", unit)) - powers.keys() or length not in ("m", "rad")
+    if other or (length == "m" and powers["s"] > 1):
+        return f"{kg} {unit}".replace(" 1/", "/")
+    above, below = (
+        [
+            name if size == 1 else f"{name}^{size}"
+            for name, power in powers.items()
+            if (size := sign * power) > 0
+        ]
+        for sign in (1, -1)
+    )
+    under = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
+    return " ".join([force, *above]) + (f"/{under}" if under else "")
 
 
 UNKNOWN = Weighing()
