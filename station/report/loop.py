@@ -10,7 +10,7 @@ from station.text import comparison_text, diagnosis_text, identification_text, l
 from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
 from station.text.numbers import typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 
 def comparison(found: Findings) -> tuple[Part, ...]:
@@ -18,7 +18,7 @@ def comparison(found: Findings) -> tuple[Part, ...]:
     return () if found.compared is None else where_it_fails(found.compared)
 
 
-def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
+def where_it_fails(compared: Compared, look: Look = LIGHT) -> tuple[Part, ...]:
     """Say and draw where a model fails, in the colours of a look."""
     words = comparison_text.told(compared)
     figures = (
@@ -81,7 +81,7 @@ def ladder(found: Findings) -> list[Part]:
     return [*why, *words.brief, *words.more]
 
 
-def curves_of(found: NamedCurves, look: Look = PAPER) -> Figure:
+def curves_of(found: NamedCurves, look: Look = LIGHT) -> Figure:
     """Draw the curves of sessions with the laws of their diagnosis."""
     caption = curves_caption(found.names, found.curves)
     return Figure(caption, diagnosis_figures.curves(found.curves, found.names, look))

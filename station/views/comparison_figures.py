@@ -9,7 +9,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
 from station.views.figure import Axes, LinearSegmentedColormap, Picture, figure, literal, points, zero_lines
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 NOISE = 2.0
 SURE = 3.0
@@ -28,11 +28,11 @@ def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=look.faint, lw=0.5, ls=":")
-    axis.plot(window.clock, left * fine, color=look.residual, lw=0.7)
+    axis.plot(window.clock, left * fine, color=look.second, lw=0.7)
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 
-def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
+def front(fits: Sequence[tuple[str, Fit]], look: Look = LIGHT) -> Picture:
     """Draw a channel as measured and by the last of some models, and under it the residual of each, under its name."""
     last = fits[-1][1]
     window = last.windows[0]
@@ -54,7 +54,7 @@ def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
     return drawn
 
 
-def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
+def phase_plane(found: Comparison, look: Look = LIGHT) -> Picture:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
@@ -96,7 +96,7 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     return drawn
 
 
-def cycles(found: Comparison, look: Look = PAPER) -> Picture:
+def cycles(found: Comparison, look: Look = LIGHT) -> Picture:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
     drawn, axes = figure(look, 2.2, 1, 3)

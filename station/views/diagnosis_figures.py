@@ -17,7 +17,7 @@ from station.story.engineering_values import Weighing
 from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Picture, figure, literal
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 COLOURS = ("#0072b2", "#b35900", "#00795a", "#a0527f", "#6b6b00", "#444444")
 MARKS = ("o", "s", "^", "v", "D", "P")
@@ -32,12 +32,12 @@ BAND = 2.0
 def force_maps(maps: Sequence[tuple[str, ForceMap]], weighing: Weighing) -> Picture:
     """Draw the mean force over the phase of the cycle: what the model lacks, then what each suspect would add."""
     size, unit = weighing.force_scale
-    drawn, axes = figure(PAPER, 2.1, 1, len(maps), sharey=True, width=min(6.9, 1.9 * len(maps) + 0.6))
+    drawn, axes = figure(LIGHT, 2.1, 1, len(maps), sharey=True, width=min(6.9, 1.9 * len(maps) + 0.6))
     for axis, (name, found) in zip(axes, maps, strict=True):
         degrees = np.degrees(0.5 * (found.phase[1:] + found.phase[:-1]))
-        axis.axhline(0, color=PAPER.faint, lw=0.7)
-        axis.plot(degrees, found.large * size, color=PAPER.second, lw=1.5, label="large cycles")
-        axis.plot(degrees, found.small * size, color=PAPER.model, lw=1.3, ls="--", label="small cycles")
+        axis.axhline(0, color=LIGHT.faint, lw=0.7)
+        axis.plot(degrees, found.large * size, color=LIGHT.second, lw=1.5, label="large cycles")
+        axis.plot(degrees, found.small * size, color=LIGHT.model, lw=1.3, ls="--", label="small cycles")
         axis.set(xlabel="phase of the cycle [°]", xticks=range(0, 361, 90), xlim=(0, 360))
         axis.set_title(literal(fill(plain_name(name), 20)), fontsize=8)
     lacks = np.abs([maps[0][1].large, maps[0][1].small])
@@ -61,7 +61,7 @@ def shape(curve: CurveDocument, weighing: Weighing) -> Picture:
 def measured_curve(
     curve: MeasuredCurve,
     weighing: Weighing,
-    look: Look = PAPER,
+    look: Look = LIGHT,
     words: str = "measured curve, per unit mass",
 ) -> Picture:
     """Draw a measured curve of a model, with two standard errors; `words` say what it is where no mass is known."""
@@ -77,7 +77,7 @@ def measured_curve(
     return drawn
 
 
-def curves(found: DecayCurves, names: Sequence[str], look: Look = PAPER) -> Picture:
+def curves(found: DecayCurves, names: Sequence[str], look: Look = LIGHT) -> Picture:
     """Draw frequency and damping against amplitude: releases as points with bands of two standard errors, laws as lines.
 
     `names` are the releases'.

@@ -13,7 +13,7 @@ from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
@@ -25,7 +25,7 @@ WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
 
 
 def record(
-    recording: Recording, release: float | None = None, flags: Sequence[FlaggedRun] = (), look: Look = PAPER
+    recording: Recording, release: float | None = None, flags: Sequence[FlaggedRun] = (), look: Look = LIGHT
 ) -> Picture:
     """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]
@@ -39,9 +39,9 @@ def record(
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
             first, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
-            axis.axvspan(first - begin, stop - begin, color=look.residual, alpha=0.25, lw=0.5)
+            axis.axvspan(first - begin, stop - begin, color=look.second, alpha=0.25, lw=0.5)
         if release is not None:
-            axis.axvline(0.0, color=look.residual, lw=1.0, ls="--")
+            axis.axvline(0.0, color=look.second, lw=1.0, ls="--")
     name = "time from the first sample [s]" if release is None else SINCE
     axes[-1].set(xlabel=name, xlim=(time[0], time[-1] + 1.0 / recording.rate))
     return drawn
@@ -51,18 +51,18 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
     time = found.time - release
     factor, name = scale("displacement", length)
-    drawn, (top, backbone, below) = figure(PAPER, 3.9, "ab;cb", width_ratios=[2.2, 1])
-    top.plot(time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
-    top.plot(time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
+    drawn, (top, backbone, below) = figure(LIGHT, 3.9, "ab;cb", width_ratios=[2.2, 1])
+    top.plot(time, found.envelope * factor, color=LIGHT.broad, lw=2.6, label="ridge of the transform")
+    top.plot(time, found.envelope_fit * factor, color=LIGHT.model, lw=1.0, label="fit")
     top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
     top.set_ylim(bottom=0)
     top.legend(loc="upper right")
     frequency = np.where(found.trusted, found.frequency, np.nan)
-    below.plot(time, frequency, color=PAPER.ink, lw=0.9)
+    below.plot(time, frequency, color=LIGHT.ink, lw=0.9)
     middle, half = frequency_reach(found)
     below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
-    _backbone(backbone, found, (factor, name), half, PAPER)
+    _backbone(backbone, found, (factor, name), half, LIGHT)
     backbone.set_title("backbone")
     return drawn
 
@@ -117,7 +117,7 @@ def scalogram(found: WaveletResult, look: Look) -> Picture:
     return drawn
 
 
-def orders(result: Identification, look: Look = PAPER) -> Picture:
+def orders(result: Identification, look: Look = LIGHT) -> Picture:
     """Draw the error against the order of damping by both methods and the significance of the terms: figure 3."""
     methods = [("wavelet", result.wavelet), ("restoring force", result.restoring_force)]
     there = [(name, found) for name, found in methods if found is not None]
@@ -140,7 +140,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     """Draw the share of the variance of each term of the restoring force, eq. (19), on a logarithmic axis."""
     terms = sorted(percent.items(), key=lambda item: -item[1])
     values = [max(value, LEAST_SHARE) for _, value in terms]
-    axis.barh(range(len(terms)), values, color=look.bar, edgecolor=look.ink, lw=0.5, height=0.6, log=True)
+    axis.barh(range(len(terms)), values, color=look.broad, edgecolor=look.ink, lw=0.5, height=0.6, log=True)
     for row, (_, value) in enumerate(terms):
         label = f" {three_figures(value)} %" if value >= 0.01 else f" {value:.1g} %"
         axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
@@ -151,7 +151,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     axis.set(xlabel="share of the variance [%]", title="significance")
 
 
-def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER) -> Picture:
+def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT) -> Picture:
     """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
     length, (size, unit) = weighing.unit, weighing.force_scale
     factor, name = scale("displacement", length)

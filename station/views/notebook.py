@@ -17,12 +17,12 @@ from station.results.diagnosis_pictures import MOST, force_maps
 from station.story.engineering_values import Weighing
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
-from station.views.palette import PAPER
+from station.views.palette import LIGHT
 
 
 def draw(result: object) -> Picture:
     """Draw a result of `identify`; TypeError where there is no picture for it."""
-    with inked(PAPER):
+    with inked(LIGHT):
         return _drawn(result)
 
 
@@ -46,10 +46,10 @@ def _free_decay(decay: FreeDecay) -> Picture:
 @_drawn.register
 def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
-    picture, axes = figure(PAPER, 3.2, 1, 2)
-    axes[0].plot(prepared.time, motion.displacement, color=PAPER.measured, linewidth=0.8)
+    picture, axes = figure(LIGHT, 3.2, 1, 2)
+    axes[0].plot(prepared.time, motion.displacement, color=LIGHT.measured, linewidth=0.8)
     axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
-    axes[1].plot(motion.displacement, prepared.restoring, ".", color=PAPER.measured, markersize=1.5)
+    axes[1].plot(motion.displacement, prepared.restoring, ".", color=LIGHT.measured, markersize=1.5)
     axes[1].set(
         xlabel=literal(f"displacement [{unit}]"),
         ylabel=literal(f"restoring {Weighing(unit=unit).worded()} [{unit}/s²]"),
