@@ -13,8 +13,7 @@ from station.results.documents import keep_document
 from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
 from station.story.adequacy import adequacy, recording_doubt
-from station.story.identification import Identification
-from station.story.pipeline import Progress, identify, silent
+from station.story.pipeline import Identification, Progress, identify, silent
 from station.story.preparation import Options, locate, options_for, prepare_recording
 
 

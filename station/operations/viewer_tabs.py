@@ -11,7 +11,7 @@ from station.operations.refining import Refinement, open_refinement, step_again
 from station.output import progress
 from station.results.ladder import LADDER
 from station.settings import Settings
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 
 if TYPE_CHECKING:
     from station.views.tabs import Steps

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from identify.curves.laid_over import DecayCurves
 from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
-from station.story.compared import Compared
+from station.story.pipeline import Compared
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
 from station.text.numbers import typeset, with_unit

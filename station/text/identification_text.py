@@ -5,7 +5,7 @@ from dataclasses import replace
 from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import noise_scale, typeset, typeset_unit

@@ -10,7 +10,7 @@ from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.engineering_values import Weighing
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
 from station.views.palette import LIGHT, Look

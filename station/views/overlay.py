@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.views.figure import Picture, figure, literal
 from station.views.palette import LIGHT, Look
 

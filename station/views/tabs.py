@@ -12,8 +12,8 @@ from identify.formatting import plain_name
 from identify.restoring_force.restoring_force import RestoringForceResult
 from station.results.ladder import KeptLadder
 from station.story.engineering_values import Weighing
-from station.story.identification import Identification
 from station.story.measured_curves import measured_curves
+from station.story.pipeline import Identification
 from station.text import ladder_text
 from station.text.content import Equation, Paragraph, facts, markdown
 from station.text.identification_text import alignment_rows, told

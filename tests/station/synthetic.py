@@ -8,7 +8,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult, Section
 from identify.wavelet.wavelet import WaveletResult
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 
 MASS, STIFFNESS, FRICTION, VISCOUS = 21.36, 13115.0, 0.13, 0.277
 RATE, N, RELEASE = 256.0, 2240, 192

@@ -15,7 +15,7 @@ from identify.formatting import SPACE
 from identify.model.model import base_model
 from station.story.adequacy import Adequacy
 from station.story.engineering_values import UNKNOWN
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.text.identification_text import told
 from station.views import identification_figures as figures, overlay, tabs
 from station.views.palette import VIEWERS
