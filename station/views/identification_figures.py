@@ -62,7 +62,7 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     middle, half = frequency_reach(found)
     below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
-    _backbone(backbone, found, (factor, name), half, LIGHT)
+    _backbone(backbone, found, length, LIGHT)
     backbone.set_title("backbone")
     return drawn
 
@@ -75,15 +75,15 @@ def frequency_reach(found: WaveletResult) -> tuple[float, float]:
     return middle, max(1.5 * spread, 0.01 * middle)
 
 
-def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:
-    """Draw amplitude in a unit (factor, name) over frequency on the ridge, and of the fit; `half` the width in Hz."""
+def _backbone(axis: Axes, found: WaveletResult, length: str, look: Look) -> None:
+    """Draw amplitude over frequency on the ridge, and of the fit."""
+    (factor, name), (middle, half) = scale("displacement", length), frequency_reach(found)
     every = max(1, len(found.backbone_frequency) // MOST_DOTS)
-    amplitude = found.backbone_amplitude[::every] * unit[0]
+    amplitude = found.backbone_amplitude[::every] * factor
     axis.plot(found.backbone_frequency[::every], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
     axis.plot(found.backbone_fit[::every], amplitude, color=look.model, lw=1.4, label="averaged model")
-    middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     limits = (middle - half, middle + half)
-    axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{unit[1]}]"))
+    axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"))
     axis.set_ylim(0, 1.25 * float(np.max(amplitude, initial=1e-12)))  # with room for the legend
     axis.locator_params(axis="x", nbins=4)
     axis.legend(loc="upper left")
@@ -92,9 +92,7 @@ def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: f
 def backbone(found: WaveletResult, length: str, look: Look) -> Picture:
     """Draw the backbone alone."""
     drawn, (axis,) = figure(look, 3.6, width=4.2)
-    spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
-    half = max(0.6 * spread, 0.005 * float(np.median(found.frequency)))
-    _backbone(axis, found, scale("displacement", length), half, look)
+    _backbone(axis, found, length, look)
     return drawn
 
 

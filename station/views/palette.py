@@ -12,7 +12,6 @@ ACCELERATION = (215, 125, 0)
 WAVELET = (190, 100, 160)
 FORCE = (0, 150, 110)
 WRONG = (215, 90, 25)
-REFERENCE = (130, 138, 148)
 
 CHANNEL = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}
 

@@ -199,7 +199,7 @@ def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, weigh
     for part, drawn in (
         ("fit", mesh),
         ("measured", rr.Points3D(points, colors=palette.MEASURED, radii=0.007)),
-        ("floor", rr.LineStrips3D(floor, colors=palette.REFERENCE, radii=0.002)),
+        ("floor", rr.LineStrips3D(floor, colors=palette.MEASURED, radii=0.002)),
         ("axes", rr.LineStrips3D(axes, colors=colours, radii=0.006)),
         ("names", rr.Points3D(ends, labels=names, colors=colours, radii=0.008, show_labels=True)),
     ):
