@@ -94,7 +94,7 @@ def _viewer(folder: Path) -> None:
         settings = Settings(sessions=Path(name) / "sessions")
         session = open_example("simulated_plain", settings.sessions)
         result, _ = identify_session(session, settings)
-        for picture in photograph(write_view(session, settings, result), Path(name) / "tabs"):
+        for picture in photograph(write_view(session, result, settings), Path(name) / "tabs"):
             if picture.stem in ("alignment", "results"):
                 (folder / picture.name).write_bytes(_small(picture.read_bytes()))
 

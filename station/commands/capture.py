@@ -143,7 +143,7 @@ def finish(
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, settings)
-    file = write_view(session, settings, result)
+    file = write_view(session, result, settings)
     if shown_at is not None:
         viewer.show(file, shown_at)
     progress(f"viewer's recording: {file}")

@@ -22,7 +22,7 @@ def command(settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIE
     opened = open_session(session, settings.sessions)
     opened.require_writable()
     result, _ = identify_session(opened, settings)
-    file = write_view(opened, settings, result)
+    file = write_view(opened, result, settings)
     progress(f"recording: {file}")
     if not no_viewer and viewer.has_screen():
         viewer.show(file)

@@ -21,8 +21,8 @@ VIEW = "identification.rrd"
 
 def write_view(
     session: Session,
-    settings: Settings,
     result: Identification,
+    settings: Settings,
     refinement: Refinement | None = None,
     *,
     dark: bool = True,
@@ -43,7 +43,7 @@ def show_refined(refinement: Refinement, settings: Settings, port: int | None = 
 
     if viewer.answers(port or viewer.PORT):
         result, _ = identify_session(refinement.session, settings)
-        viewer.show(write_view(refinement.session, settings, result, refinement), port or viewer.PORT)
+        viewer.show(write_view(refinement.session, result, settings, refinement), port or viewer.PORT)
         progress("the viewer shows the ladder: one tab a step")
 
 

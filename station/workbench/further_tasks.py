@@ -99,7 +99,7 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     session = Session.open(folder)
     result, _ = identify_session(session, settings, say)
     say("writing the recording")
-    file = write_view(session, settings, result, dark=dark)
+    file = write_view(session, result, settings, dark=dark)
     if not (temporary / "index.html").is_file():
         unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one

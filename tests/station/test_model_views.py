@@ -31,7 +31,7 @@ def refinement(tmp_path_factory, diagnosed):
 @pytest.fixture(scope="module")
 def file(refinement):
     result, _ = identify_session(refinement.session, Settings())
-    return viewer_tabs.write_view(refinement.session, Settings(), result, refinement)
+    return viewer_tabs.write_view(refinement.session, result, Settings(), refinement)
 
 
 def chunks(file, path):
@@ -87,7 +87,7 @@ def test_a_session_that_was_not_refined_has_no_ladder(tmp_path):
     settings = Settings(sessions=tmp_path)
     session = open_sessions((str(DUFFING),), settings).sessions[0]
     result, _ = identify_session(session, settings)
-    assert not chunks(viewer_tabs.write_view(session, settings, result), "/ladder/**")
+    assert not chunks(viewer_tabs.write_view(session, result, settings), "/ladder/**")
 
 
 def test_where_no_viewer_is_open_none_is_opened_and_nothing_is_written(refinement, monkeypatch):
