@@ -1,7 +1,7 @@
 """`python -m bench [NAME...] [--quick]`: measure, and write the figures into docs/benchmarks.md.
 
 Each module named in SECTIONS has `run(quick)`, which returns the text of its section, and may have a TITLE. A section
-stands between two markers, so that one can be measured again and the others stay.
+is found by its command, so that one can be measured again and the others stay.
 """
 
 import argparse
@@ -37,10 +37,11 @@ SECTIONS = (
     "workbench",
 )
 
+SECTION_OF = re.compile(r"`python -m bench (\w+)")
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures
 
-Made by the command of each section, on two cores, on its date. Later changes of the code are not in it.
+Made by the command of each section, on two cores, on its date.
 """
 
 
@@ -79,23 +80,13 @@ def main(arguments: list[str]) -> int:
 
 
 def write_section(page: Path, name: str, section: str) -> None:
-    """Replace the section between its markers, or put it where SECTIONS has it."""
+    """Replace the section of a bench, or put it where SECTIONS has it."""
     text = page.read_text(encoding="utf-8") if page.exists() else HEAD
-    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
-    block = f"{begin}\n{section}\n{end}"
-    pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
-    if pattern.search(text):
-        text = pattern.sub(lambda _: block, text)
-    else:
-        place = len(text)
-        for later in SECTIONS[SECTIONS.index(name) + 1 :]:
-            found = text.find(f"<!-- begin {later} -->")
-            if found >= 0:
-                place = found
-                break
-        text = f"{text[:place].rstrip()}\n\n{block}\n\n{text[place:].lstrip()}".rstrip() + "\n"
+    head, *sections = re.split(r"^(?=## )", text, flags=re.MULTILINE)
+    named = {SECTION_OF.findall(one)[0]: one for one in sections} | {name: section}
+    kept = [named[one].strip() for one in SECTIONS if one in named]
     page.parent.mkdir(exist_ok=True)
-    page.write_text(text, encoding="utf-8")
+    page.write_text("\n\n".join([head.strip(), *kept]) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

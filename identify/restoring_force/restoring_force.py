@@ -14,7 +14,7 @@ from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import reconstruct
 from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import ForceWindow, points_of, window_of
-from identify.restoring_force.surface import Section, grid_of, sections_of
+from identify.restoring_force.surface import Section, sections_of
 from identify.signal.order_selection import choose_order
 from identify.signal.weak_form import place_windows
 from identify.summary import Summary
@@ -28,11 +28,9 @@ class RestoringForceResult(Identified):
 
     `stiffness_by_order` holds every displacement order that was kept, `damping` begins with sgn v; `offset` is the
     constant force per unit mass. `mse_percent` is eq. (18), `significance_percent` eq. (19) by term name.
-    Points used, shape (n,): `time` (s, on the record's
-    clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14) and `force_fit`. The surface on a grid:
-    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted. Sections at v = 0 and
-    u = 0. `mass` is what a recorded force says of the mass, in the force's unit over m/s^2, when none was given; None
-    otherwise.
+    Points used, shape (n,): `time` (s, on the record's clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14)
+    and the surface there, `force_fit`. Sections at v = 0 and u = 0. `mass` is what a recorded force says of the mass, in
+    the force's unit over m/s^2, when none was given; None otherwise.
     """
 
     offset: Estimate
@@ -44,9 +42,6 @@ class RestoringForceResult(Identified):
     velocity: Array
     force: Array
     force_fit: Array
-    grid_displacement: Array
-    grid_velocity: Array
-    surface: Array
     section_zero_velocity: Section
     section_zero_displacement: Section
     mass: Estimate | None = None
@@ -122,7 +117,6 @@ def _result(
     per_mass = stiffnesses(
         decay, {j: (chi, s) for (j, chi), s in zip(polynomial.stiffness.items(), stiffness_std, strict=True)}
     )
-    grid_u, grid_v, surface = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
     return RestoringForceResult(
         stiffness_by_order=with_mass(decay, per_mass),
@@ -141,9 +135,6 @@ def _result(
         velocity=frozen(v),
         force=frozen(force),
         force_fit=frozen(force_fit),
-        grid_displacement=grid_u,
-        grid_velocity=grid_v,
-        surface=surface,
         section_zero_velocity=at_rest,
         section_zero_displacement=at_zero,
         stiffness_per_mass=next(iter(per_mass.values())),

@@ -6,8 +6,8 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 
-CELLS, BINS = 40, 25
-"""Cells of the surface along each axis, and bins of a section."""
+BINS = 25
+"""Of a section."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,13 +44,6 @@ class Polynomial:
     def __call__(self, displacement: Array, velocity: Array) -> Array:
         """Return the force per unit mass."""
         return self.elastic(displacement) + self.dissipative(velocity)
-
-
-def grid_of(polynomial: Polynomial, displacement: Array, velocity: Array) -> tuple[Array, Array, Array]:
-    """Return grid displacement (p,), grid velocity (q,) and the fitted surface (q, p) over the measured points (n,)."""
-    edges = (np.linspace(np.min(x), np.max(x), CELLS + 1) for x in (displacement, velocity))
-    u, v = (0.5 * (edge[1:] + edge[:-1]) for edge in edges)
-    return frozen(u), frozen(v), frozen(polynomial(u[None, :], v[:, None]))
 
 
 def sections_of(

@@ -16,8 +16,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.campaign_document import SessionResult
 from station.results.documents import picked
 from station.results.identification_document import amplitude
-from station.story.identification import Identification
-from station.story.pipeline import identify
+from station.story.pipeline import Identification, identify
 from station.story.preparation import Options, locate, prepare_recording
 
 

@@ -88,13 +88,13 @@ def command(
     board = board_behind(port, settings, told, lines, profile, source)
     wanted = wanted_capture(settings, given)
     place = folder or new_folder(settings.sessions)
-    session, url = record(board(), wanted, place, not no_viewer, spare)
+    session, shown_at = record(board(), wanted, place, not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):
         if not take_again(session, again):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
-        session, url = record(board(), wanted, place, not no_viewer, spare)
-    finish(session, url, settings)
+        session, shown_at = record(board(), wanted, place, not no_viewer, spare)
+    finish(session, shown_at, settings)
     return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
 
@@ -117,17 +117,22 @@ def take_again(session: "Session", again: bool | None) -> bool:
 
 def finish(
     session: "Session",
-    url: str | None,
+    shown_at: int | None,
     settings: Settings,
     note: tuple[Part, ...] = (),
     **more: Any,
 ) -> None:
-    """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
+    """Print the verdict, identify, show in the viewer at the port `shown_at`.
+
+    `note` follows what is printed, `more` goes into the JSON object.
+    """
     from dataclasses import replace
 
-    from station.operations.identifying import identify_session, refuse_if_nothing, write_view
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.operations.viewer_tabs import write_view
     from station.text.identification_text import next_command, told
     from station.text.layout import answer
+    from station.views import viewer
 
     verdict = session.verdict
     if verdict is not None:
@@ -138,11 +143,9 @@ def finish(
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, settings)
-    file = write_view(session, result)
-    if url is not None:
-        from station.views import show
-
-        show.send(url, session.folder.name, result)
+    file = write_view(session, result, settings)
+    if shown_at is not None:
+        viewer.show(file, shown_at)
     progress(f"viewer's recording: {file}")
     known = {
         "session": str(session.folder),

@@ -59,10 +59,10 @@ def command(
 
         where = folder or new_folder(settings.sessions, "demo")
         wanted = simulated_capture(settings, f"simulated testbed, seed {seed}", speed)
-        session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
+        session, shown_at, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
-        finish(session, url, settings, (_made_of(truth),), made_of=made_of)
+        finish(session, shown_at, settings, (_made_of(truth),), made_of=made_of)
 
 
 def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) -> None:

@@ -146,7 +146,7 @@ MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
 FULL = option("Print all that is known, not only the result.", "--full")
-NO_VIEWER = option("Do not open the viewer.", "--no-viewer")
+NO_VIEWER = option("Do not use the viewer.", "--no-viewer")
 DURATION = option(
     "Seconds after the release (8).", "--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S"
 )

@@ -48,6 +48,7 @@ def command(
     from dataclasses import replace
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
+    from station.operations.viewer_tabs import show_refined
     from station.results.documents import seen
     from station.results.ladder import LADDER, ladder_document, write_ladder
     from station.results.sessions import open_session
@@ -55,7 +56,8 @@ def command(
     from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
-    if wanted or reset or model_file is not None or seen(opened, LADDER) is None:
+    changes = bool(wanted) or reset or model_file is not None or seen(opened, LADDER) is None
+    if changes:
         opened.require_writable()
     refinement = open_refinement(opened, settings, model_file, effects_file, reset=reset)
     ladder = refinement.ladder
@@ -71,8 +73,5 @@ def command(
         ladder = write_ladder(opened, ladder)
     words, document = told(ladder, refinement.weighing), ladder_document(opened, ladder)
     answer(document, words, *next_command(ladder, opened.folder), full=True)
-    if not no_viewer:
-        from station.operations import viewer_tabs
-
-        if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
-            progress("the viewer shows the ladder: one tab a step")
+    if changes and not no_viewer:
+        show_refined(replace(refinement, ladder=ladder), settings)

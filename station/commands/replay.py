@@ -26,6 +26,6 @@ def command(
     from station.text.capture_progress import Watch
 
     opened = open_session(session, settings.sessions)
-    with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as (url, live), Watch(live) as watch:
+    with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as (shown_at, live), Watch(live) as watch:
         replay(opened, watch, speed)
-    finish(opened, url, settings)
+    finish(opened, shown_at, settings)

@@ -19,20 +19,20 @@ from station.text.capture_progress import Watch
 
 def record(
     port: str | Port, settings: CaptureSettings, folder: Path, with_viewer: bool, spare: Path | None = None
-) -> tuple[Session, str | None]:
-    """Capture one release; return the sealed session and the URL of the live viewer, None without one.
+) -> tuple[Session, int | None]:
+    """Capture one release; return the sealed session and the port of the live viewer, None without one.
 
     Where the disk fails, the session goes into a new folder under `spare`, or where the operator says, at last into a
     temporary one (`is_temporary`), which is said.
     """
-    with live_screen(settings.rate_hz, with_viewer) as (url, live), Watch(live) as watch:
+    with live_screen(settings.rate_hz, with_viewer) as (shown_at, live), Watch(live) as watch:
         session = capture(port, settings, folder, watch, another_place(spare))
     if is_temporary(session.folder):
         progress(
             f"the disk refused {folder}: the session lies in {session.folder}, a temporary folder;"
             " move it before this computer is restarted"
         )
-    return session, url
+    return session, shown_at
 
 
 def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] | None:
@@ -72,8 +72,8 @@ def _asked() -> Path | None:
 
 
 @contextlib.contextmanager
-def live_screen(rate: float, with_viewer: bool) -> Iterator[tuple[str | None, CaptureObserver | None]]:
-    """Open a live viewer where one is wanted and a window can be opened; give its URL and its observer."""
+def live_screen(rate: float, with_viewer: bool) -> Iterator[tuple[int | None, CaptureObserver | None]]:
+    """Open a live viewer where one is wanted and a window can be opened; give its port and its observer."""
     if with_viewer:
         from station.views.viewer import has_screen
 

@@ -12,8 +12,7 @@ from station.own_effects import whole_library
 from station.results.comparison_document import NAME, comparison_document
 from station.results.documents import keep_document
 from station.settings import Settings
-from station.story.compared import Compared
-from station.story.pipeline import Progress, compare
+from station.story.pipeline import Compared, Progress, compare
 from station.story.preparation import prepare_session
 
 

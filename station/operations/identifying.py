@@ -1,9 +1,7 @@
 """Identify a session and keep what was found in it."""
 
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from daq.errors import NotASession
 from daq.session import Session
@@ -14,15 +12,9 @@ from station.operations.record_floor import with_floor
 from station.results.documents import keep_document
 from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
-from station.story.adequacy import recording_doubt
-from station.story.identification import Identification
-from station.story.pipeline import Progress, identify, silent, with_adequacy
+from station.story.adequacy import adequacy, recording_doubt
+from station.story.pipeline import Identification, Progress, identify, silent
 from station.story.preparation import Options, locate, options_for, prepare_recording
-
-if TYPE_CHECKING:
-    from station.views.log import Tab
-
-VIEW = "identification.rrd"
 
 
 def identify_session(
@@ -44,7 +36,8 @@ def identify_session(
     try:
         progress("fitting the identified model")
         prepared = with_floor(session, prepare_recording(recording, options, found=found))
-        result = with_adequacy(result, prepared, doubt)
+        if result.methods:
+            result = replace(result, adequacy=adequacy(prepared, result.methods, doubt))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
@@ -67,25 +60,13 @@ def kept_options(session: Session, settings: Settings) -> Options:
 def identified(session: Session, settings: Settings) -> dict[str, Any]:
     """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
     result, document = identify_session(session, settings)
-    if result.wavelet is None and result.restoring_force is None:
+    if not result.methods:
         raise NotIdentifiable("nothing identified")
     return document
 
 
 def refuse_if_nothing(result: Identification) -> None:
     """Raise Answered when both methods refused."""
-    if result.wavelet is None and result.restoring_force is None:
+    if not result.methods:
         reasons = dict.fromkeys(result.refusals[step] for step in ("wavelet", "restoring_force"))
         raise Answered("nothing could be identified: " + "; ".join(reasons))
-
-
-def write_view(
-    session: Session, result: Identification, more: "tuple[Tab, ...]" = (), *, dark: bool = True
-) -> Path:
-    """Write the tabs of the viewer into the session's results, `more` after those of the identification."""
-    from station.views import show
-
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / VIEW
-        show.write(file, session.folder.name, result, more, dark=dark)
-        return session.write_result(VIEW, file.read_bytes())

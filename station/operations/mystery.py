@@ -23,6 +23,7 @@ from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
+from station.operations.viewer_tabs import show_refined
 from station.output import asked_for_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
@@ -70,15 +71,11 @@ def play(
         "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
         "know which. It records one release to find out.",
     )
-    solved, url = solve(settings, chosen, speed, folder, no_viewer, console)
+    solved, shown_at = solve(settings, chosen, speed, folder, no_viewer, console)
     _say(console, "4. WHAT WAS HIDDEN: it is read only now")
     answer(_document(solved), revealed(solved), "report", solved.session.folder)
     if not no_viewer:
-        from station.operations.viewer_tabs import show_ladder as show
-
-        opened = open_refinement(solved.session, settings)
-        if show(opened, url):
-            progress("the viewer shows the ladder: one tab a step")
+        show_refined(open_refinement(solved.session, settings), settings, shown_at)
 
 
 def solve(
@@ -88,11 +85,11 @@ def solve(
     folder: Path | None,
     no_viewer: bool,
     console: Console,
-) -> tuple[Solved, str | None]:
-    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
+) -> tuple[Solved, int | None]:
+    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's port."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
+    session, shown_at, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
     refinement = open_refinement(session, settings)
     sessions = SessionSet((session,), (refinement.prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
@@ -115,7 +112,7 @@ def solve(
         )
     else:
         _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
-    return Solved(seed, session, document, ladder, json.loads(envelope)), url
+    return Solved(seed, session, document, ladder, json.loads(envelope)), shown_at
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:

@@ -73,15 +73,15 @@ def record_simulated(
     folder: Path,
     with_viewer: bool,
     module: str = "mocks",
-) -> tuple[Session, str | None, str]:
-    """Record one release; return the session, the live viewer's URL, and how the board was made, as JSON.
+) -> tuple[Session, int | None, str]:
+    """Record one release; return the session, the live viewer's port, and how the board was made, as JSON.
 
     The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
     """
 
-    def act(port: str) -> tuple[Session, str | None]:
+    def act(port: str) -> tuple[Session, int | None]:
         progress(f"a simulated board answers at {port}")
         return record(port, wanted, folder, with_viewer)
 
-    (session, url), made_of = on_simulated(act, seed, speed, module=module)
-    return session, url, made_of
+    (session, shown_at), made_of = on_simulated(act, seed, speed, module=module)
+    return session, shown_at, made_of

@@ -1,52 +1,60 @@
-"""The Ladder tab, for the session's recording and for a viewer that is open."""
+"""The viewer's recording of a session: kept in its results, and shown in a viewer that is open."""
 
-import time
-from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from daq.session import Session
 from station.exits import UsageProblem
+from station.operations.identifying import identify_session
 from station.operations.refining import Refinement, open_refinement, step_again
 from station.output import progress
 from station.results.ladder import LADDER
 from station.settings import Settings
+from station.story.pipeline import Identification
 
 if TYPE_CHECKING:
-    from station.views.log import Tab
+    from station.views.tabs import Steps
+
+VIEW = "identification.rrd"
 
 
-def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
-    """Make the Ladder tab of a session; each step's fit is found again from its values."""
-    from station.views import ladder
+def write_view(
+    session: Session,
+    result: Identification,
+    settings: Settings,
+    refinement: Refinement | None = None,
+    *,
+    dark: bool = True,
+) -> Path:
+    """Write the tabs of the viewer into the session's results, with the steps where it was refined."""
+    from station.views import tabs
 
-    kept, name = refinement.ladder, refinement.session.folder.name
-    fits = tuple(step_again(refinement, step).fit for step in kept.steps[: kept.present + 1])
-    return partial(ladder.tab, name=name, ladder=kept, fits=fits, weighing=refinement.weighing, root=root)
+    steps = _steps(session, settings, refinement)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / VIEW
+        tabs.write(file, session.folder.name, result, steps, dark=dark)
+        return session.write_result(VIEW, file.read_bytes())
 
 
-def kept_tabs(session: Session, settings: Settings) -> tuple["Tab", ...]:
-    """Return the Ladder tab where the session was refined."""
+def show_refined(refinement: Refinement, settings: Settings, port: int | None = None) -> None:
+    """Show a session anew after a step, in the viewer that is open at a port (default: Rerun's own); none is opened."""
+    from station.views import viewer
+
+    if viewer.answers(port or viewer.PORT):
+        result, _ = identify_session(refinement.session, settings)
+        viewer.show(write_view(refinement.session, result, settings, refinement), port or viewer.PORT)
+        progress("the viewer shows the ladder: one tab a step")
+
+
+def _steps(session: Session, settings: Settings, refinement: Refinement | None) -> "Steps | None":
+    """Fit the steps up to the present one again from their values; None where the session was not refined."""
     if not (session.results / LADDER).is_file():
-        return ()
+        return None
     try:
-        return (ladder_tab(open_refinement(session, settings)),)
+        opened = refinement or open_refinement(session, settings)
     except UsageProblem as problem:  # an effect of the user's own file, which is not at hand here
         progress(f"the tab Ladder is left out: {problem}")
-        return ()
-
-
-def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
-    """Show the ladder in the viewer `at` a URL, else in the one that is open, or in a new one; False where there is none.
-
-    Every call draws under a path of its own, since what a viewer has drawn of a step before may differ.
-    """
-    from station.views.viewer import url_or_new
-
-    url = at or url_or_new()
-    if url is None:
-        return False
-    from station.views import show
-
-    tab = ladder_tab(refinement, f"/ladder/{time.time_ns()}")
-    show.send_tab(url, f"{refinement.session.folder.name}-model", tab)
-    return True
+        return None
+    kept = opened.ladder
+    return kept, tuple(step_again(opened, step).fit for step in kept.steps[: kept.present + 1])

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from identify.fitting.fit import Fit
 from identify.formatting import SPACE, with_error
 from station.report.findings import Findings
-from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.story.measured_curves import measured_curves
+from station.story.pipeline import Compared
 from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table
 from station.text.layout import sentence

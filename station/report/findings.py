@@ -21,10 +21,8 @@ from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_forc
 from station.results.ladder import LADDER, KeptLadder
 from station.results.sessions import doubt
 from station.settings import Settings
-from station.story.compared import Compared
 from station.story.engineering_values import Weighing
-from station.story.identification import Identification
-from station.story.pipeline import Progress, compare, silent
+from station.story.pipeline import Compared, Identification, Progress, compare, silent
 from station.story.preparation import length_unit, weighing_of
 
 

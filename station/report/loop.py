@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from identify.curves.laid_over import DecayCurves
 from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
-from station.story.compared import Compared
+from station.story.pipeline import Compared
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
 from station.text.numbers import typeset, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 
 def comparison(found: Findings) -> tuple[Part, ...]:
@@ -18,7 +18,7 @@ def comparison(found: Findings) -> tuple[Part, ...]:
     return () if found.compared is None else where_it_fails(found.compared)
 
 
-def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
+def where_it_fails(compared: Compared, look: Look = LIGHT) -> tuple[Part, ...]:
     """Say and draw where a model fails, in the colours of a look."""
     words = comparison_text.told(compared)
     figures = (
@@ -81,7 +81,7 @@ def ladder(found: Findings) -> list[Part]:
     return [*why, *words.brief, *words.more]
 
 
-def curves_of(found: NamedCurves, look: Look = PAPER) -> Figure:
+def curves_of(found: NamedCurves, look: Look = LIGHT) -> Figure:
     """Draw the curves of sessions with the laws of their diagnosis."""
     caption = curves_caption(found.names, found.curves)
     return Figure(caption, diagnosis_figures.curves(found.curves, found.names, look))
@@ -117,7 +117,7 @@ def methods(found: Findings) -> list[Part]:
     if result is None:
         return []
     why = facts(identification_text.reasons(result))
-    if result.wavelet is None and result.restoring_force is None:
+    if not result.methods:
         return [*why]
     words = Paragraph(identification_text.told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit

@@ -15,7 +15,7 @@ from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.text.content import left_out
 from station.views.figure import inked
-from station.views.palette import PAPER
+from station.views.palette import LIGHT
 
 NAME = "report.html"
 SECTIONS = (
@@ -62,7 +62,7 @@ def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
     from jinja2 import Environment, StrictUndefined
 
-    with inked(PAPER):
+    with inked(LIGHT):
         front, made = first_page(found), {name: make(found) for name, _, make in SECTIONS}
     sections = [
         (name, title, made[name] or [left_out(found.left_out[RESTS_ON.get(name, name)])])

@@ -3,7 +3,7 @@
 from typing import Any
 
 from station.results.documents import FreeRunErrors, picked, plain
-from station.story.compared import Compared
+from station.story.pipeline import Compared
 
 NAME = "comparison.json"
 

@@ -7,7 +7,7 @@ from pydantic import AliasPath, Field
 
 from identify.free_decay import CHANNELS
 from station.results.documents import Document, picked, plain
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.story.preparation import Options
 
 NAME = "identification.json"

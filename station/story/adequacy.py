@@ -14,7 +14,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name
-from identify.model.model import Model
+from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -80,11 +80,12 @@ def recording_doubt(manifest: Manifest) -> str:
     return f"a sensor failed during the record ({', '.join(faults)})" if faults else ""
 
 
-def adequacy(
-    prepared: PreparedDecay, model: Model, methods: Sequence[Method] = (), doubt: str = ""
-) -> Adequacy:
-    """Fit the identified model to its record and judge its residual; compare the `methods` with each other."""
-    baseline = fit_baseline(segments_of(prepared), model)
+def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = "") -> Adequacy:
+    """Fit the model that the methods identified to its record and judge its residual; compare them with each other.
+
+    `doubt` is what the verdict on the recording holds against its values.
+    """
+    baseline = fit_baseline(segments_of(prepared), model_of_orders(*needed_orders(methods)))
     apart, sigmas = farthest(methods)
     off = (prepared.window.rate_std or 0.0) / prepared.window.rate
     of_clock = "" if off <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * off:.2g} %"

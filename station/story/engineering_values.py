@@ -1,4 +1,4 @@
-"""The values that a test report quotes: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
+"""The values that a test report quotes, in N, kg and s, Hz and 1, each with the parts of its error."""
 
 import math
 import re
@@ -6,33 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from identify.clock_error import power_in
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
-
-_TIMES_MASS = {
-    "1/s^2": "N/m",
-    "m/s^2": "N",
-    "1/s": "N s/m",
-    "1/m": "kg/m",
-    "s/m^2": "kg s/m^2",
-    "1/(s^2 m)": "N/m^2",
-    "1/(m s^2)": "N/m^2",
-    "1/(s^2 m^2)": "N/m^3",
-    "1/(m^2 s^2)": "N/m^3",
-    "1/(m^4 s^2)": "N/m^5",
-    "1/(m^2 s)": "N s/m^3",
-}
-_TIMES_INERTIA = {
-    "1/s^2": "N m/rad",
-    "rad/s^2": "N m",
-    "1/s": "N m s/rad",
-    "1/rad": "N m s^2/rad^2",
-    "s/rad^2": "N m s^3/rad^3",
-}
 
 _NAMES = {
     LinearPart.STIFFNESS: "stiffness K",
@@ -81,11 +61,9 @@ class Weighing:
         """
         if self.mass is None or found is None or found.value is None or found.unit in ("", "1"):
             return found
-        known, kg = (_TIMES_INERTIA, "kg m^2") if self.unit == "rad" else (_TIMES_MASS, "kg")
-        unit = known.get(found.unit) or f"{kg} {found.unit}".replace(" 1/", "/")
         std = math.nan if found.std is None else found.std
         error = math.hypot(std * self.mass, found.value * (self.mass_std or 0.0))
-        return Estimate(found.value * self.mass, error, unit)
+        return Estimate(found.value * self.mass, error, _times_mass(found.unit, self.unit))
 
     def weighed(self, effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Return the parameters of an effect with the mass in its strength, the first of them, if it is a force.
@@ -115,7 +93,62 @@ def _has_mass(effect: Effect) -> bool:
     return isinstance(effect, ForceEffect) and not effect.relative
 
 
+def _times_mass(unit: str, length: str) -> str:
+    """Return the unit of a mass, of an inertia where the length is "rad", times a unit: "N/m" for "1/s^2"."""
+    kg, force = ("kg m^2", "N m") if length == "rad" else ("kg", "N")
+    powers = {"s": 2 + power_in(unit, {"s": 1}), length: power_in(unit, {length: 1}) - 1}
+    other = set(re.findall("[A-Za-z]+", unit)) - powers.keys() or length not in ("m", "rad")
+    if other or (length == "m" and powers["s"] > 1):
+        return f"{kg} {unit}".replace(" 1/", "/")
+    above, below = (
+        [
+            name if size == 1 else f"{name}^{size}"
+            for name, power in powers.items()
+            if (size := sign * power) > 0
+        ]
+        for sign in (1, -1)
+    )
+    under = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
+    return " ".join([force, *above]) + (f"/{under}" if under else "")
+
+
 UNKNOWN = Weighing()
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Standard errors of one value, in its unit: of readings and clock, calibration, mass; None where not stated."""
+
+    readings: float
+    calibration: float | None
+    mass: float | None
+
+    @property
+    def total(self) -> float | None:
+        """The combined standard uncertainty (GUM); None where a part is not known."""
+        if self.calibration is None or self.mass is None:
+            return None
+        return math.hypot(self.readings, self.calibration, self.mass)
+
+
+def budget(
+    one: EngineeringValue, calibration: float | None, mass_share: float | None, length: str = "m"
+) -> Budget:
+    """Split the error of a value into its parts.
+
+    `calibration` is the relative uncertainty of the sensors' scale, `mass_share` that of the mass, None where not stated.
+    The scale of the sensors enters a value by the power of `length` ("m" or "rad") in its unit per unit mass: not at all
+    in a stiffness or a frequency, once in a friction force.
+    """
+    value, bare = one.value, one.per_mass
+    readings: float = value.std
+    mass: float | None = 0.0
+    if bare is not None:
+        readings = bare.std * abs(value.value / bare.value) if bare.value else bare.std
+        mass = None if mass_share is None else abs(value.value) * mass_share
+    power = abs(power_in((bare or value).unit, {length: 1}))
+    scale = 0.0 if power == 0 else None if calibration is None else power * calibration * abs(value.value)
+    return Budget(readings, scale, mass)
 
 
 def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, ...]:

@@ -1,7 +1,7 @@
 """The whole analysis from a recording to the ladder, one function a step; each takes the results of the last one.
 
 - `identify`: recording -> release, noise, alignment, wavelet, restoring force
-- `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
+- `adequacy`: prepared decay, both methods -> the judgement on the model that they identified (station.story.adequacy)
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
 - `identify.diagnosis.diagnose.diagnose`: prepared decays, model -> what the model lacks
@@ -9,26 +9,31 @@
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
+import numpy as np
+
 from daq.recording import Recording
-from identify.comparison.compare import compare_fitted as compare_baseline
+from identify.arrays import Array
+from identify.comparison.compare import Comparison, compare_fitted as compare_baseline
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
+from identify.fitting.model_error import ModelError, errors_of, noise_percent
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
-from identify.model.model import model_of_orders
 from identify.preprocessing.aligned_decay import AlignedDecay
+from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
-from station.story.adequacy import adequacy, needed_orders
-from station.story.compared import Compared
-from station.story.identification import Identification
+from station.story.adequacy import Adequacy, Method, needed_orders
+from station.story.engineering_values import Weighing
 from station.story.known_model import KnownModel
 from station.story.preparation import Options, locate
+from station.story.residual import residual_words
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -39,7 +44,97 @@ _BACKBONE = set(STIFFNESS_ORDERS[-1])
 _ROUNDS = 4
 """An order that one method takes over may make the other need one more."""
 
-DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Everything that was identified in one release.
+
+    `decay` is the release as it was recorded, with the noise of each channel; `aligned` the same with the
+    displacement moved by the lag (`decay` itself where there was nothing to align). A result that could
+    not be had is None, and `refusals` says why under the step's name. `adequacy` is whether the identified model explains
+    the record, None where that was not asked or (under "adequacy" in `refusals`) not to be had.
+    """
+
+    decay: FreeDecay
+    release: Release
+    alignment: Alignment | None
+    aligned: FreeDecay
+    wavelet: WaveletResult | None
+    restoring_force: RestoringForceResult | None
+    refusals: dict[str, str]
+    adequacy: Adequacy | None = None
+
+    @property
+    def methods(self) -> tuple[Method, ...]:
+        """The results of the methods that found something."""
+        return tuple(method for method in (self.wavelet, self.restoring_force) if method is not None)
+
+    @property
+    def weighing(self) -> Weighing:
+        """What puts the mass into forces and strengths."""
+        return Weighing(self.decay.mass, self.decay.mass_std, self.decay.unit)
+
+    @property
+    def lost_samples(self) -> int:
+        """How many samples were lost."""
+        return 0 if self.decay.valid is None else int((~self.decay.valid).sum())
+
+    def rebuilt_decay(self, found: WaveletResult) -> tuple[Array, Array]:
+        """Return the measured channel of the wavelet on its times, and the same rebuilt from the parameters, SI."""
+        measured = np.asarray(getattr(self.aligned, found.channel))
+        index = np.clip(np.round(found.time * self.decay.rate).astype(int), 0, len(measured) - 1)
+        offset = float(np.median(measured[index] - found.reconstruction))
+        return measured[index], found.reconstruction + offset
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A model as fitted to the session `name`, and where it fails; `words` say which model it is, `remark` why it
+    is not another.
+
+    `judged` is the fit by which the model is judged, as everywhere: that of the pieces of a long record, in which the
+    phase drifts by more than forces move it; of a short one `baseline` itself, one free run over the whole record.
+    """
+
+    name: str
+    baseline: Baseline
+    comparison: Comparison
+    judged: Baseline
+    words: str
+    remark: str
+
+    @property
+    def error(self) -> ModelError:
+        """The three errors by which the model is judged."""
+        return errors_of(self.judged)
+
+    @property
+    def pieces(self) -> int:
+        """In how many pieces the record is judged."""
+        return len(self.judged.decays)
+
+    @property
+    def left(self) -> str:
+        """What the model leaves, in words."""
+        above = None if self.judged.at_floor else self.error.floor_std
+        return residual_words(self.error.motion_percent, self.error.chi_square, above)
+
+    @property
+    def one_run(self) -> str:
+        """The residual of a long record simulated in one piece, and why it is larger; "" for a short record."""
+        if self.pieces < 2:
+            return ""
+        seen = self.comparison
+        return (
+            f"The record is long: it is judged in {self.pieces} pieces that share the physics. In one run over "
+            f"{seen.horizon_cycles:.0f} cycles the same model leaves {residual_words(seen.motion_error, seen.chi_square)}, "
+            "because the phase may drift with clock and temperature. The places and cycles below are those of that run."
+        )
+
+    @property
+    def motion_floor(self) -> float:
+        """The residual of noise alone, in % of the rms of the motion."""
+        return noise_percent(self.judged.fit)
 
 
 def silent(*said: object) -> None:
@@ -52,30 +147,24 @@ def identify(recording: Recording, options: Options, found: AlignedDecay | None 
     `found` is what `locate` returns, where that is known. Raises NotIdentifiable when no release can be found, since
     nothing can follow then.
     """
-    refusals: dict[str, str] = {}
+    found = found or locate(recording, options)
+    aligned, refusals = found.decay, {"alignment": found.not_aligned} if found.not_aligned else {}
+    orders = (options.max_order, options.stiffness_orders)
 
-    def attempt(step: str, act: Callable[[], Value]) -> Value | None:
+    def attempt(step: str, method: Callable[..., Value]) -> Value | None:
         try:
-            return act()
+            return method(aligned, *orders)
         except NotIdentifiable as refusal:
             refusals[step] = str(refusal)
             return None
 
-    found = found or locate(recording, options)
-    decay, alignment, aligned = found.recorded, found.alignment, found.decay
-    if found.not_aligned:
-        refusals["alignment"] = found.not_aligned
-
-    orders = (options.max_order, options.stiffness_orders)
-    wavelet = None
-    if decay.driven:
-        refusals["wavelet"] = DRIVEN
-    else:
-        wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, *orders))
-    restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
+    wavelet = attempt("wavelet", identify_wavelet)
+    restoring_force = attempt("restoring_force", identify_restoring_force)
     if wavelet is not None and restoring_force is not None:
         wavelet, restoring_force = _with_the_same_orders(aligned, wavelet, restoring_force, options.max_order)
-    return Identification(decay, found.release, alignment, aligned, wavelet, restoring_force, refusals)
+    return Identification(
+        found.recorded, found.release, found.alignment, aligned, wavelet, restoring_force, refusals
+    )
 
 
 def _with_the_same_orders(
@@ -101,18 +190,6 @@ def _with_the_same_orders(
             )
             return wavelet, replace(force, reason=f"{force.reason}; {remedy}")
     return wavelet, force
-
-
-def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
-    """Judge the model of an identification and add the judgement; nothing is added where nothing was identified.
-
-    `doubt` is what the verdict on the recording holds against its values.
-    """
-    methods = [method for method in (result.wavelet, result.restoring_force) if method is not None]
-    if not methods:
-        return result
-    model = model_of_orders(*needed_orders(methods))
-    return replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
 def compare(name: str, prepared: PreparedDecay, known: KnownModel) -> Compared:

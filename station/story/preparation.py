@@ -136,5 +136,20 @@ def _stated_lag(recording: Recording) -> Estimate | None:
 
 def gain_uncertainty(recording: Recording) -> float:
     """Return the relative uncertainty of the gain between the channels, as their certificates leave it."""
-    stated = [channel.calibration_uncertainty or 0.0 for channel in motion_channels(recording).values()]
-    return math.sqrt(sum(share**2 for share in stated))
+    return math.hypot(*(share or 0.0 for share in _certified(recording)))
+
+
+def calibration_of(recording: Recording, gain: float | None) -> float | None:
+    """Return the relative uncertainty of the scale of the channels that are a motion; None where one has none stated.
+
+    `gain` is that between two channels: they differ by what at least one of them is off.
+    """
+    stated = _certified(recording)
+    if not stated or None in stated:
+        return None
+    off = 0.0 if gain is None else abs(gain - 1.0)
+    return max(off, *(share for share in stated if share is not None))
+
+
+def _certified(recording: Recording) -> list[float | None]:
+    return [channel.calibration_uncertainty for channel in motion_channels(recording).values()]

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled, three_figures
-from station.story.compared import Compared
+from station.story.pipeline import Compared
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence

@@ -5,7 +5,7 @@ from dataclasses import replace
 from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import noise_scale, typeset, typeset_unit
@@ -27,7 +27,7 @@ def told(name: str, result: Identification, *, full: bool = False) -> Told:
     words = f"{reason} Do not quote its values." if reason else "Nothing was identified."
     if found is not None:
         words = sentence(judgement(found))
-    table = (methods_table(result, full=full),) if result.wavelet or result.restoring_force else ()
+    table = (methods_table(result, full=full),) if result.methods else ()
     return Told(f"{name}: {words}", tone, (*facts(_facts(result)), *table, *facts(reasons(result))))
 
 

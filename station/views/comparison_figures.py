@@ -6,11 +6,10 @@ import numpy as np
 
 from identify.comparison.compare import Comparison
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.phase_plane import ForceSection
 from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
 from station.views.figure import Axes, LinearSegmentedColormap, Picture, figure, literal, points, zero_lines
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 NOISE = 2.0
 SURE = 3.0
@@ -29,11 +28,11 @@ def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=look.faint, lw=0.5, ls=":")
-    axis.plot(window.clock, left * fine, color=look.residual, lw=0.7)
+    axis.plot(window.clock, left * fine, color=look.second, lw=0.7)
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 
-def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
+def front(fits: Sequence[tuple[str, Fit]], look: Look = LIGHT) -> Picture:
     """Draw a channel as measured and by the last of some models, and under it the residual of each, under its name."""
     last = fits[-1][1]
     window = last.windows[0]
@@ -55,7 +54,7 @@ def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
     return drawn
 
 
-def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
+def phase_plane(found: Comparison, look: Look = LIGHT) -> Picture:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
@@ -82,32 +81,22 @@ def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    _section(at_reversal, up, factor, units, "^-", look, "moving to the positive side")
-    _section(at_reversal, down, factor, units, "v--", look, "moving to the negative side")
+    for axis, cut, size, form, colour, label in (
+        (at_reversal, up, factor, "^-", look.second, "moving to the positive side"),
+        (at_reversal, down, factor, "v--", look.model, "moving to the negative side"),
+        (at_middle, plane.section_at_middle, 1.0, "o-", look.second, ""),
+    ):
+        force, std = cut.force * units.force_scale, cut.std * units.force_scale
+        points(axis, cut.position * size, force, std, form, colour, label)
+        zero_lines(axis, look)
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     drawn.legend(*at_reversal.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    _section(at_middle, plane.section_at_middle, 1.0, units, "o-", look)
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return drawn
 
 
-def _section(
-    axis: Axes,
-    cut: ForceSection,
-    factor: float,
-    units: DiscrepancyText,
-    form: str,
-    look: Look,
-    label: str = "",
-) -> None:
-    colour = look.model if form.startswith("v") else look.second
-    force, std = cut.force * units.force_scale, cut.std * units.force_scale
-    points(axis, cut.position * factor, force, std, form, colour, label)
-    zero_lines(axis, look)
-
-
-def cycles(found: Comparison, look: Look = PAPER) -> Picture:
+def cycles(found: Comparison, look: Look = LIGHT) -> Picture:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
     drawn, axes = figure(look, 2.2, 1, 3)

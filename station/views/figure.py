@@ -1,4 +1,4 @@
-"""Pictures with real axes and units: one drawing for report, viewer and notebook, in the colours of paper or of a screen."""
+"""Pictures with real axes and units: one drawing for report, page, viewer and notebook, in light or dark colours."""
 
 import base64
 import re
@@ -8,7 +8,7 @@ from typing import Any
 
 from identify.arrays import Array
 from station.text.numbers import typeset
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 from station.working_folder import unseen
 
 with unseen("matplotlibrc"):
@@ -60,7 +60,7 @@ def inked(look: Look) -> AbstractContextManager[None]:
 class Picture(Figure):
     """A figure that a notebook shows by itself; `savefig` writes it to a file."""
 
-    look = PAPER
+    look = LIGHT
 
     def encoded(self, form: str, **how: Any) -> bytes:
         """Return the picture as "png" or "svg"; its ticks are made now, in its own colours."""

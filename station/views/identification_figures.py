@@ -3,19 +3,17 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.recording import Recording
 from daq.sensor_faults import FlaggedRun
-from identify.arrays import Array
 from identify.formatting import three_figures
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.story.engineering_values import Weighing
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.text.numbers import scale, scale_as_recorded
 from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
@@ -27,7 +25,7 @@ WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
 
 
 def record(
-    recording: Recording, release: float | None = None, flags: Sequence[FlaggedRun] = (), look: Look = PAPER
+    recording: Recording, release: float | None = None, flags: Sequence[FlaggedRun] = (), look: Look = LIGHT
 ) -> Picture:
     """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]
@@ -41,9 +39,9 @@ def record(
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
             first, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
-            axis.axvspan(first - begin, stop - begin, color=look.residual, alpha=0.25, lw=0.5)
+            axis.axvspan(first - begin, stop - begin, color=look.second, alpha=0.25, lw=0.5)
         if release is not None:
-            axis.axvline(0.0, color=look.residual, lw=1.0, ls="--")
+            axis.axvline(0.0, color=look.second, lw=1.0, ls="--")
     name = "time from the first sample [s]" if release is None else SINCE
     axes[-1].set(xlabel=name, xlim=(time[0], time[-1] + 1.0 / recording.rate))
     return drawn
@@ -53,18 +51,18 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
     time = found.time - release
     factor, name = scale("displacement", length)
-    drawn, (top, backbone, below) = figure(PAPER, 3.9, "ab;cb", width_ratios=[2.2, 1])
-    top.plot(time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
-    top.plot(time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
+    drawn, (top, backbone, below) = figure(LIGHT, 3.9, "ab;cb", width_ratios=[2.2, 1])
+    top.plot(time, found.envelope * factor, color=LIGHT.broad, lw=2.6, label="ridge of the transform")
+    top.plot(time, found.envelope_fit * factor, color=LIGHT.model, lw=1.0, label="fit")
     top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
     top.set_ylim(bottom=0)
     top.legend(loc="upper right")
     frequency = np.where(found.trusted, found.frequency, np.nan)
-    below.plot(time, frequency, color=PAPER.ink, lw=0.9)
+    below.plot(time, frequency, color=LIGHT.ink, lw=0.9)
     middle, half = frequency_reach(found)
     below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
-    _backbone(backbone, found, (factor, name), half, PAPER)
+    _backbone(backbone, found, length, LIGHT)
     backbone.set_title("backbone")
     return drawn
 
@@ -77,15 +75,15 @@ def frequency_reach(found: WaveletResult) -> tuple[float, float]:
     return middle, max(1.5 * spread, 0.01 * middle)
 
 
-def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:
-    """Draw amplitude in a unit (factor, name) over frequency on the ridge, and of the fit; `half` the width in Hz."""
+def _backbone(axis: Axes, found: WaveletResult, length: str, look: Look) -> None:
+    """Draw amplitude over frequency on the ridge, and of the fit."""
+    (factor, name), (middle, half) = scale("displacement", length), frequency_reach(found)
     every = max(1, len(found.backbone_frequency) // MOST_DOTS)
-    amplitude = found.backbone_amplitude[::every] * unit[0]
+    amplitude = found.backbone_amplitude[::every] * factor
     axis.plot(found.backbone_frequency[::every], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
     axis.plot(found.backbone_fit[::every], amplitude, color=look.model, lw=1.4, label="averaged model")
-    middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     limits = (middle - half, middle + half)
-    axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{unit[1]}]"))
+    axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"))
     axis.set_ylim(0, 1.25 * float(np.max(amplitude, initial=1e-12)))  # with room for the legend
     axis.locator_params(axis="x", nbins=4)
     axis.legend(loc="upper left")
@@ -94,9 +92,7 @@ def _backbone(axis: Axes, found: WaveletResult, unit: tuple[float, str], half: f
 def backbone(found: WaveletResult, length: str, look: Look) -> Picture:
     """Draw the backbone alone."""
     drawn, (axis,) = figure(look, 3.6, width=4.2)
-    spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
-    half = max(0.6 * spread, 0.005 * float(np.median(found.frequency)))
-    _backbone(axis, found, scale("displacement", length), half, look)
+    _backbone(axis, found, length, look)
     return drawn
 
 
@@ -119,7 +115,7 @@ def scalogram(found: WaveletResult, look: Look) -> Picture:
     return drawn
 
 
-def orders(result: Identification, look: Look = PAPER) -> Picture:
+def orders(result: Identification, look: Look = LIGHT) -> Picture:
     """Draw the error against the order of damping by both methods and the significance of the terms: figure 3."""
     methods = [("wavelet", result.wavelet), ("restoring force", result.restoring_force)]
     there = [(name, found) for name, found in methods if found is not None]
@@ -142,7 +138,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     """Draw the share of the variance of each term of the restoring force, eq. (19), on a logarithmic axis."""
     terms = sorted(percent.items(), key=lambda item: -item[1])
     values = [max(value, LEAST_SHARE) for _, value in terms]
-    axis.barh(range(len(terms)), values, color=look.bar, edgecolor=look.ink, lw=0.5, height=0.6, log=True)
+    axis.barh(range(len(terms)), values, color=look.broad, edgecolor=look.ink, lw=0.5, height=0.6, log=True)
     for row, (_, value) in enumerate(terms):
         label = f" {three_figures(value)} %" if value >= 0.01 else f" {value:.1g} %"
         axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
@@ -153,7 +149,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
     axis.set(xlabel="share of the variance [%]", title="significance")
 
 
-def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER) -> Picture:
+def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT) -> Picture:
     """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
     length, (size, unit) = weighing.unit, weighing.force_scale
     factor, name = scale("displacement", length)
@@ -171,27 +167,3 @@ def sections(found: RestoringForceResult, weighing: Weighing, look: Look = PAPER
     axes[0].set_ylabel(literal(f"{weighing.worded()} [{unit}]"))
     axes[0].legend(loc="upper left")
     return drawn
-
-
-def mesh(found: RestoringForceResult) -> tuple[Array, NDArray[np.uint32]]:
-    """Return the fitted surface over the region that was visited: vertices (n, 3) of u, v, f, and triangles (m, 3).
-
-    The region is the hull of the measured points: a decay winds inwards and leaves nothing inside it out.
-    """
-    from matplotlib.path import Path
-    from scipy.interpolate import RegularGridInterpolator
-    from scipy.spatial import ConvexHull, Delaunay
-
-    reach = np.array([np.ptp(found.displacement), np.ptp(found.velocity)])
-    measured = np.column_stack([found.displacement, found.velocity]) / reach
-    corners = measured[ConvexHull(measured).vertices]
-    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
-    grid = np.column_stack([u.ravel(), v.ravel()]) / reach
-    inside = grid[Path(corners).contains_points(grid)]
-    plane = np.vstack([inside, corners])
-    triangles = Delaunay(plane).simplices.astype(np.uint32)
-    force = RegularGridInterpolator(
-        (found.grid_velocity, found.grid_displacement), found.surface, bounds_error=False, fill_value=None
-    )
-    points = plane * reach
-    return np.column_stack([points, force(points[:, ::-1])]), triangles

@@ -84,16 +84,15 @@ def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
 
 
 @contextmanager
-def live_viewer(rate: float) -> Iterator[tuple[str, LiveView]]:
-    """Open a viewer window for one capture; give its URL, and the view to give to the capture. It stays open afterwards."""
+def live_viewer(rate: float) -> Iterator[tuple[int, LiveView]]:
+    """Open a viewer window for one capture; give its port, and the view to give to the capture. It stays open afterwards."""
     port = free_port()
-    url = f"rerun+http://{HOST}:{port}/proxy"
     start("--port", str(port), "--hide-welcome-screen")
     wait_for(port)
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    stream.connect_grpc(url)
+    stream.connect_grpc(f"rerun+http://{HOST}:{port}/proxy")
     try:
-        yield url, LiveView(stream, rate)
+        yield port, LiveView(stream, rate)
     finally:
         stream.flush()
         stream.disconnect()

@@ -1,6 +1,6 @@
 """The parts of a viewer's tab: each function logs its data and returns the view that shows them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import rerun as rr
@@ -10,14 +10,10 @@ from rerun.blueprint.archetypes import PlotBackground
 from identify.arrays import Array
 from station.text.numbers import typeset
 from station.views.figure import Picture
-from station.views.palette import Look
 
 Colour = tuple[int, int, int]
 Line = tuple[str, Array, Colour, float]
 """A curve: its name with its unit, its values, its colour, and how wide it is drawn."""
-
-Tab = Callable[[rr.RecordingStream, Look], rrb.Container]
-"""Logs the data of a tab, its pictures in the colours of a look, and returns its layout."""
 
 TIMELINE = "time"
 

@@ -1,9 +1,8 @@
 """Pictures for a notebook: `draw(result)` gives a figure of whatever `identify` returned."""
 
-from functools import singledispatch
-
 import numpy as np
 
+from daq.recording import Channel, Recording
 from identify.comparison.compare import Comparison
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.diagnose import Diagnosis
@@ -16,45 +15,53 @@ from station.results.diagnosis_pictures import MOST, force_maps
 from station.story.engineering_values import Weighing
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.figure import Picture, figure, inked, literal
-from station.views.palette import PAPER
-
-MEASURED, MODEL = PAPER.measured, PAPER.model
+from station.views.palette import LIGHT
 
 
 def draw(result: object) -> Picture:
     """Draw a result of `identify`; TypeError where there is no picture for it."""
-    with inked(PAPER):
-        return _drawn(result)
-
-
-@singledispatch
-def _drawn(result: object) -> Picture:
+    with inked(LIGHT):
+        match result:
+            case FreeDecay():
+                return _record(result)
+            case PreparedDecay():
+                return _prepared(result)
+            case WaveletResult():
+                return identification_figures.envelope(result, "SI", 0.0)
+            case RestoringForceResult():
+                unit = result.offset.unit.partition("/")[0]
+                return identification_figures.sections(result, Weighing(unit=unit))
+            case Comparison():
+                return comparison_figures.phase_plane(result)
+            case Diagnosis():
+                return _missing(result)
+            case DecayCurves():
+                count = 1 + max(curve.release for curve in result.releases)
+                return diagnosis_figures.curves(result, [f"release {1 + n}" for n in range(count)])
+            case Ladder():
+                names = [row[0] for row in result.brief().rows]
+                steps = list(zip(names, (step.fit for step in result.steps), strict=True))
+                return comparison_figures.front([*steps[:1], *steps[1:][-1:]])
     raise TypeError(f"there is no picture of a {type(result).__name__}")
 
 
-@_drawn.register
-def _free_decay(decay: FreeDecay) -> Picture:
-    units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s²"}
-    picture, axes = figure(PAPER, 1.7 * len(decay.channels) + 0.4, len(decay.channels), sharex=True)
-    for axis, (name, values) in zip(axes, decay.channels.items(), strict=True):
-        axis.plot(decay.time, values, color=MEASURED, linewidth=0.8)
-        axis.set_ylabel(literal(f"{name} [{units[name]}]"))
-        if decay.start:
-            axis.axvline(
-                decay.start / decay.rate, color=MODEL, linewidth=0.8, linestyle="--", label="release"
-            )
-            axis.legend(frameon=False, loc="upper right")
-    axes[-1].set_xlabel("time [s]")
-    return picture
+def _record(decay: FreeDecay) -> Picture:
+    units = {"displacement": decay.unit, "velocity": f"{decay.unit}/s", "acceleration": f"{decay.unit}/s^2"}
+    recording = Recording(
+        rate=decay.rate,
+        channels=tuple(Channel(name, name, units[name]) for name in decay.channels),
+        samples=np.array(list(decay.channels.values())),
+        valid=decay.known,
+    )
+    return identification_figures.record(recording, decay.start / decay.rate or None)
 
 
-@_drawn.register
 def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
-    picture, axes = figure(PAPER, 3.2, 1, 2)
-    axes[0].plot(prepared.time, motion.displacement, color=MEASURED, linewidth=0.8)
+    picture, axes = figure(LIGHT, 3.2, 1, 2)
+    axes[0].plot(prepared.time, motion.displacement, color=LIGHT.measured, linewidth=0.8)
     axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
-    axes[1].plot(motion.displacement, prepared.restoring, ".", color=MEASURED, markersize=1.5)
+    axes[1].plot(motion.displacement, prepared.restoring, ".", color=LIGHT.measured, markersize=1.5)
     axes[1].set(
         xlabel=literal(f"displacement [{unit}]"),
         ylabel=literal(f"restoring {Weighing(unit=unit).worded()} [{unit}/s²]"),
@@ -62,39 +69,9 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     return picture
 
 
-@_drawn.register
-def _wavelet(found: WaveletResult) -> Picture:
-    return identification_figures.envelope(found, "SI", 0.0)
-
-
-@_drawn.register
-def _restoring_force(found: RestoringForceResult) -> Picture:
-    return identification_figures.sections(found, Weighing(unit=found.offset.unit.partition("/")[0]))
-
-
-@_drawn.register
-def _diagnosis(found: Diagnosis) -> Picture:
+def _missing(found: Diagnosis) -> Picture:
     place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
     prepared, base = found.baseline.decays[place], found.baseline.fit
     best = [(s.term, s.fit) for s in found.suspects if s.effect.name in s.fit.model][:MOST]
-    return diagnosis_figures.force_maps(
-        force_maps(prepared, base, best, place), Weighing(unit=prepared.window.unit)
-    )
-
-
-@_drawn.register
-def _curves(found: DecayCurves) -> Picture:
-    count = 1 + max(curve.release for curve in found.releases)
-    return diagnosis_figures.curves(found, [f"release {1 + n}" for n in range(count)])
-
-
-@_drawn.register
-def _ladder(found: Ladder) -> Picture:
-    names = [row[0] for row in found.brief().rows]
-    steps = list(zip(names, (step.fit for step in found.steps), strict=True))
-    return comparison_figures.front([*steps[:1], *steps[1:][-1:]])
-
-
-@_drawn.register
-def _comparison(found: Comparison) -> Picture:
-    return comparison_figures.phase_plane(found)
+    maps = force_maps(prepared, base, best, place)
+    return diagnosis_figures.force_maps(maps, Weighing(unit=prepared.window.unit))

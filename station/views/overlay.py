@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 from station.views.figure import Picture, figure, literal
-from station.views.palette import PAPER, Look
+from station.views.palette import LIGHT, Look
 
 PERIOD_SHARE = 0.05
 TAIL = 7.0
@@ -60,7 +60,7 @@ def _period(result: Identification) -> float:
     return float(2 * np.pi / np.sqrt(found.stiffness.value / (result.decay.mass or 1.0)))
 
 
-def alignment(result: Identification, look: Look = PAPER) -> Picture | None:
+def alignment(result: Identification, look: Look = LIGHT) -> Picture | None:
     """Draw both channels as accelerations about a zero one period after the release, as recorded and with the lag corrected.
 
     None without both channels, or such a zero.

@@ -12,15 +12,14 @@ ACCELERATION = (215, 125, 0)
 WAVELET = (190, 100, 160)
 FORCE = (0, 150, 110)
 WRONG = (215, 90, 25)
-REFERENCE = (130, 138, 148)
 
 CHANNEL = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}
 
 
 @dataclass(frozen=True)
 class Look:
-    """Colours of what is drawn: text, lines of reference, a measurement (as points, as a broad line), a model, a second
-    curve, a residual, the noise's band and bars; the ground, and the colours of a force: negative, none, positive."""
+    """Colours of what is drawn: text, lines of reference, a measurement (as points, as a broad line or bar), a model, a
+    second curve or residual, the noise's band; the ground, and the colours of a force: negative, none, positive."""
 
     ink: str
     faint: str
@@ -28,24 +27,10 @@ class Look:
     broad: str
     model: str
     second: str
-    residual: str
     noise: str
-    bar: str
     paper: str = "#ffffff"
     force: tuple[str, str, str] = ("#005aa0", "#dfe3e7", "#c85000")
 
-
-PAPER = Look(
-    ink="#111111",
-    faint="#8c8c8c",
-    measured="#7d7d7d",
-    broad="#b5b5b5",
-    model="#00447c",
-    second="#111111",
-    residual="#a63603",
-    noise="#d4d4d4",
-    bar="#c4c4c4",
-)
 
 LIGHT = Look(
     ink="#1d2530",
@@ -54,9 +39,7 @@ LIGHT = Look(
     broad="#b3bcc6",
     model="#d55e00",
     second="#0072b2",
-    residual="#0072b2",
     noise="#00967033",
-    bar="#b3bcc6",
 )
 DARK = Look(
     ink="#e4e8ee",
@@ -65,14 +48,12 @@ DARK = Look(
     broad="#66717e",
     model="#f0903c",
     second="#56b4e9",
-    residual="#56b4e9",
     noise="#3cc89640",
-    bar="#66717e",
     paper="#171c23",
     force=("#56b4e9", "#3a434e", "#f0903c"),
 )
 PAGE = {True: DARK, False: LIGHT}
-"""Of the workbench's page, by whether that is dark, in the colours of its style sheet."""
+"""Of the workbench's page, by whether that is dark, in the colours of its style sheet; report and notebook are light."""
 
 VIEWERS = PAGE | {True: replace(DARK, paper="#0d1011")}
 """Of a picture in the viewer; the paper is the viewer's own ground."""

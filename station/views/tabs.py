@@ -1,17 +1,52 @@
-"""The tabs of one identification: what was recorded, how its channels were aligned, the wavelet, and both results."""
+"""The viewer's recording of a session: the record, its alignment, both identifications, and the steps of its refinement."""
+
+from pathlib import Path
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.arrays import Array
-from station.story.identification import Identification
-from station.text.content import facts, markdown
+from identify.fitting.fit import Fit
+from identify.formatting import plain_name
+from identify.restoring_force.restoring_force import RestoringForceResult
+from station.results.ladder import KeptLadder
+from station.story.engineering_values import Weighing
+from station.story.measured_curves import measured_curves
+from station.story.pipeline import Identification
+from station.text import ladder_text
+from station.text.content import Equation, Paragraph, facts, markdown
 from station.text.identification_text import alignment_rows, told
-from station.text.numbers import scale
+from station.text.numbers import scale, typeset, with_unit
 from station.views import identification_figures as figures, log, palette
+from station.views.comparison_figures import front
+from station.views.diagnosis_figures import measured_curve
+from station.views.figure import inked
 from station.views.overlay import alignment as picture_of_lag, overlay
-from station.views.palette import Look
+from station.views.palette import VIEWERS, Look
+
+APPLICATION = "free-decay-station"
+SURFACE = "/restoring_force/surface"
+MOST_POINTS = 4000
+
+Steps = tuple[KeptLadder, tuple[Fit, ...]]
+"""A ladder, and the fits of its steps up to the present one."""
+
+
+def write(
+    file: Path, name: str, result: Identification, steps: Steps | None = None, *, dark: bool = True
+) -> None:
+    """Write the tabs of the session `name` to `file`, the last one in front, for a dark or a light viewer."""
+    stream, look = rr.RecordingStream(APPLICATION, send_properties=False), VIEWERS[dark]
+    stream.save(file)
+    with inked(look):
+        shown = [tab(stream, look, name, result) for tab in TABS]
+        if steps is not None:
+            shown.append(ladder(stream, look, name, *steps, result.weighing))
+    layout = log.blueprint(shown, active=len(shown) - 1)
+    stream.send_blueprint(layout, make_active=True, make_default=True)
+    stream.flush()
+    stream.disconnect()
 
 
 def capture(stream: rr.RecordingStream, look: Look, name: str, result: Identification) -> rrb.Container:
@@ -107,6 +142,70 @@ def wavelet(stream: rr.RecordingStream, look: Look, name: str, result: Identific
     )  # fmt: skip
 
 
+def restoring_force(
+    stream: rr.RecordingStream, look: Look, name: str, result: Identification
+) -> rrb.Container:
+    """Show the surface with the measured points, its sections, the orders, and the significance of the terms."""
+    found = result.restoring_force
+    if found is None:
+        return refused(stream, "Restoring force", result.refusals.get("restoring_force", ""))
+    _draw_surface(stream, found, result.weighing)
+    surface = rrb.Spatial3DView(
+        origin=SURFACE,
+        name="Restoring force surface (points: measured)",
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(
+            position=(-1.55, -2.9, 1.55), look_target=(0.08, 0.0, -0.1), eye_up=(0.0, 0.0, 1.0)
+        ),
+    )
+    sections, orders = figures.sections(found, result.weighing, look), figures.orders(result, look)
+    title = "Error against order by both methods, and significance of the terms"
+    pictures = rrb.Vertical(
+        log.picture(stream, "Sections", "/restoring_force/sections", sections),
+        log.picture(stream, title, "/restoring_force/orders", orders),
+    )
+    return rrb.Horizontal(surface, pictures, column_shares=[1, 1.05], name="Restoring force")
+
+
+def _draw_surface(stream: rr.RecordingStream, found: RestoringForceResult, weighing: Weighing) -> None:
+    """Draw the fit and the measured points in a cube: displacement, velocity and force each from -1 to 1."""
+    import matplotlib  # which the figures have loaded blind to the working folder
+    from scipy.spatial import Delaunay
+
+    every = max(1, len(found.force) // MOST_POINTS)
+    plane = np.column_stack([found.displacement, found.velocity])[::every]
+    size, newton = weighing.force_scale
+    force, fit = size * found.force[::every], size * found.force_fit[::every]
+    reach = np.array([*np.max(np.abs(plane), axis=0), max(np.max(np.abs(force)), np.max(np.abs(fit)))])
+    points, placed = np.column_stack([plane, force]) / reach, np.column_stack([plane, fit]) / reach
+    height = 0.5 + 0.5 * placed[:, 2]
+    mesh = rr.Mesh3D(
+        vertex_positions=placed,
+        triangle_indices=Delaunay(placed[:, :2]).simplices,
+        vertex_colors=matplotlib.colormaps["viridis"](height, bytes=True),
+        face_rendering="DoubleSided",
+    )
+    steps = np.linspace(-1, 1, 5)
+    floor = [[[x, -1, -1], [x, 1, -1]] for x in steps] + [[[-1, y, -1], [1, y, -1]] for y in steps]
+    axes = [[[-1, -1, -1], [1, -1, -1]], [[1, -1, -1], [1, 1, -1]], [[-1, -1, -1], [-1, -1, 1]]]
+    ends = [[0, -1.18, -1.02], [1.18, 0.1, -1.02], [-1, -1, 1.12]]
+    colours = [palette.DISPLACEMENT, palette.VELOCITY, palette.ACCELERATION]
+    factor, unit = scale("displacement", weighing.unit)
+    names = [
+        f"displacement ± {reach[0] * factor:.3g} {unit}",
+        f"velocity ± {reach[1]:.3g} {weighing.unit}/s",
+        typeset(f"{weighing.worded()} ± {reach[2]:.3g} {newton}"),
+    ]
+    for part, drawn in (
+        ("fit", mesh),
+        ("measured", rr.Points3D(points, colors=palette.MEASURED, radii=0.007)),
+        ("floor", rr.LineStrips3D(floor, colors=palette.MEASURED, radii=0.002)),
+        ("axes", rr.LineStrips3D(axes, colors=colours, radii=0.006)),
+        ("names", rr.Points3D(ends, labels=names, colors=colours, radii=0.008, show_labels=True)),
+    ):
+        stream.log(f"{SURFACE}/{part}", drawn, static=True)
+
+
 def refused(stream: rr.RecordingStream, name: str, reason: str) -> rrb.Container:
     """Show why a method found nothing."""
     path = f"/{name.lower().replace(' ', '_')}/refusal"
@@ -153,3 +252,39 @@ def _rebuilt(
         log.curves(stream, f"{what.capitalize()}: measurement and model", path, time, lines),
         log.curves(stream, left[0], f"{path}_error", time, {"": left}),
     ]
+
+
+TABS = (capture, alignment, wavelet, restoring_force, results)
+
+
+def ladder(
+    stream: rr.RecordingStream,
+    look: Look,
+    name: str,
+    kept: KeptLadder,
+    fits: tuple[Fit, ...],
+    weighing: Weighing,
+) -> rrb.Container:
+    """Show each step of a refinement, whatever the time is, the present one in front: the model closes in."""
+    names = [f"{n}: {ladder_text.step_words(one)}" for n, one in enumerate(kept.steps)]
+
+    def shown(place: int) -> rrb.Container:
+        here, fit, step = f"/ladder/{place}", fits[place], kept.steps[place]
+        drawn = front([(names[n], fits[n]) for n in sorted({0, place})], look)
+        motion = log.picture(stream, "The model closes in on the measurement", f"{here}/motion", drawn)
+        up_to = kept.with_(steps=kept.steps[: place + 1], present=place)
+        up_to = up_to if place == kept.present else up_to.with_(stopped_because="")
+        words = ladder_text.told(up_to, weighing)
+        model = Paragraph(" + ".join(plain_name(effect) for effect in step.effects), weighing.words)
+        equation = Equation((f"{' + '.join(weighing.terms(term.effect for term in fit.model.terms))} = 0",))
+        values = facts((parameter, with_unit(value)) for parameter, value in step.weighed(weighing).items())
+        parts = markdown((*words.brief, *words.more, model, equation, *values))
+        text = f"# {name}, step {place}\n\n{words.headline}\n\n{parts}"
+        beside = [log.markdown(stream, "This step", f"{here}/summary", text)]
+        for curve in measured_curves(fit, step.model.expressions)[-1:]:
+            drawn = measured_curve(curve, weighing, look)
+            beside.append(log.picture(stream, "The measured curve", f"{here}/curve", drawn))
+        column = rrb.Vertical(*beside, row_shares=[1.6, 1.0][: len(beside)])
+        return rrb.Horizontal(motion, column, column_shares=[2.0, 1.0], name=names[place])
+
+    return rrb.Tabs(*map(shown, range(len(fits))), active_tab=kept.present, name="Ladder")

@@ -9,13 +9,11 @@ import time
 import urllib.request
 from importlib.util import find_spec
 from pathlib import Path
-from urllib.parse import urlsplit
 
 from station.exits import Problem
 
 HOST = "127.0.0.1"
 PORT = 9876
-VARIABLE = "STATION_VIEWER"
 START_S = 20.0
 PATIENCE_S = 0.3
 
@@ -68,10 +66,10 @@ def free_port() -> int:
         return int(one.getsockname()[1])
 
 
-def answers(host: str, port: int) -> bool:
-    """Tell whether somebody listens there."""
+def answers(port: int) -> bool:
+    """Tell whether a viewer listens at a port of this computer."""
     try:
-        socket.create_connection((host, port), timeout=PATIENCE_S).close()
+        socket.create_connection((HOST, port), timeout=PATIENCE_S).close()
     except OSError:
         return False
     return True
@@ -80,27 +78,16 @@ def answers(host: str, port: int) -> bool:
 def wait_for(port: int) -> bool:
     """Wait until a viewer that was started listens, at most `START_S` seconds; return whether it does."""
     end = time.monotonic() + START_S
-    while not answers(HOST, port):
+    while not answers(port):
         if time.monotonic() > end:
             return False
         time.sleep(0.1)
     return True
 
 
-def open_url() -> str | None:
-    """Find where a viewer listens: as the environment says (STATION_VIEWER), or Rerun's own port; None if none does."""
-    url = os.environ.get(VARIABLE) or f"rerun+http://{HOST}:{PORT}/proxy"
-    parts = urlsplit(url)
-    return url if parts.hostname and parts.port and answers(parts.hostname, parts.port) else None
-
-
-def url_or_new() -> str | None:
-    """Find where a viewer listens, after starting one if a window can be opened; None where there is no screen."""
-    found = open_url()
-    if found is not None or not has_screen():
-        return found
-    start("--port", str(PORT), "--hide-welcome-screen")
-    return open_url() if wait_for(PORT) else None
+def show(file: Path, port: int = PORT) -> None:
+    """Show a recording in the viewer that listens at a port of this computer, else in a new one, which stays open."""
+    start(str(file), "--port", str(port), "--hide-welcome-screen")
 
 
 def unpack(folder: Path) -> None:

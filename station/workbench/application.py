@@ -8,7 +8,7 @@ from fastapi import FastAPI, Request
 from nicegui import Client, app as nicegui_app, background_tasks, ui
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
-from station.operations.identifying import VIEW
+from station.operations.viewer_tabs import VIEW
 from station.operations.workers import WorkerPool
 from station.report.write import NAME
 from station.settings import Settings

@@ -17,6 +17,6 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("diagnosed")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(made)
-        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+        patch.setattr("station.views.viewer.PORT", 9)  # nobody listens there
         assert run(["diagnose", str(DUFFING), "--no-viewer"]) == 0
     return made / "sessions" / DUFFING.stem

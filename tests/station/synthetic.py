@@ -8,7 +8,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult, Section
 from identify.wavelet.wavelet import WaveletResult
-from station.story.identification import Identification
+from station.story.pipeline import Identification
 
 MASS, STIFFNESS, FRICTION, VISCOUS = 21.36, 13115.0, 0.13, 0.277
 RATE, N, RELEASE = 256.0, 2240, 192
@@ -112,9 +112,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         velocity=v,
         force=f + 0.01 * np.sin(100 * time),
         force_fit=f,
-        grid_displacement=grid_u,
-        grid_velocity=grid_v,
-        surface=force(grid_u[None, :], grid_v[:, None]),
         section_zero_velocity=section(grid_u, force(grid_u, 0 * grid_u)),
         section_zero_displacement=section(grid_v, force(0 * grid_v, grid_v)),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.03, "1/s^2"),

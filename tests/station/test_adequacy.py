@@ -97,7 +97,7 @@ def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
     assert "x: spike" in recording_doubt(sealed.model_copy(update={"flags": (run,)}))
     doubt = recording_doubt(sealed.model_copy(update={"verdict": verdicts[Grade.REJECT]}))
     assert doubt == "the recording is REJECT (x is stuck)"
-    judged = adequacy(releases["plain"][0], base_model(), [found(1), found(1)], doubt)
+    judged = adequacy(releases["plain"][0], [found(1), found(1)], doubt)
     assert judged.adequate
     assert not judged.quotable
     assert judgement(judged).endswith("but the recording is REJECT (x is stuck): do not quote its values")
@@ -105,7 +105,7 @@ def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
 
 def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
     prepared, truth = releases["plain"]
-    judged = adequacy(prepared, base_model(), [found(1), found(1)])
+    judged = adequacy(prepared, [found(1), found(1)])
     assert judged.quotable
     assert judgement(judged).endswith("may be quoted")
     values = {one.name: one for one in engineering_values(judged.fit, Weighing(MASS))}
@@ -128,14 +128,14 @@ def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
 
 
 def test_a_bench_with_a_hidden_force_may_not_be_quoted(releases):
-    judged = adequacy(releases["hidden"][0], base_model())
+    judged = adequacy(releases["hidden"][0], [found(1)])
     assert judged.error.chi_square > 10.0
     assert not judged.quotable
     assert judgement(judged).endswith("do not quote its values")
 
 
 def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other(releases):
-    judged = adequacy(releases["plain"][0], base_model(), [found(1), found(1, mu_0=0.2)])
+    judged = adequacy(releases["plain"][0], [found(1), found(1, mu_0=0.2)])
     assert judged.adequate
     assert not judged.quotable
     assert "standard errors apart in" in judgement(judged)
@@ -159,7 +159,7 @@ def test_a_linear_spring_that_alone_would_not_oscillate_has_a_damping_ratio_and_
 def test_values_are_quoted_only_where_the_sampling_rate_is_known_to_half_a_percent(releases, share, quoted):
     prepared = releases["plain"][0]
     timed = replace(prepared, window=replace(prepared.window, rate_std=share * prepared.window.rate))
-    judged = adequacy(timed, base_model(), [found(1), found(1)])
+    judged = adequacy(timed, [found(1), found(1)])
     assert judged.quotable is quoted
     assert quoted or f"the sampling rate may be off by {100 * share:g} %: do not quote" in judgement(judged)
     stiffness = {one.name: one.value for one in engineering_values(judged.fit, Weighing(MASS))}["stiffness K"]

@@ -6,8 +6,7 @@ import pytest
 
 from identify.clock_error import power_in
 from identify.estimate import Estimate
-from station.story.budget import budget
-from station.story.engineering_values import EngineeringValue
+from station.story.engineering_values import EngineeringValue, budget
 
 FRICTION = EngineeringValue("friction force", Estimate(2.0, 0.05, "N"), Estimate(0.1, 0.001, "m/s^2"))
 STIFFNESS = EngineeringValue("stiffness K", Estimate(12000.0, 100.0, "N/m"), Estimate(600.0, 0.6, "1/s^2"))

@@ -38,7 +38,7 @@ def bench(tmp_path_factory):
         patch.chdir(folder)
         patch.delenv("DISPLAY", raising=False)
         patch.delenv("WAYLAND_DISPLAY", raising=False)
-        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+        patch.setattr("station.views.viewer.PORT", 9)  # nobody listens there
         yield folder
 
 

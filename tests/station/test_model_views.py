@@ -1,8 +1,6 @@
 """The Ladder tab, read back: what it shows is what was found, and every step has a tab."""
 
 import shutil
-import socket
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +11,13 @@ from rerun.chunk import RrdReader
 
 from daq.session import Session
 from station.operations import viewer_tabs
-from station.operations.refining import add, open_refinement
+from station.operations.identifying import identify_session
+from station.operations.refining import add, open_refinement, step_again
 from station.operations.session_set import open_sessions
 from station.settings import Settings
 from station.story.residual import times
-from station.views import viewer
+from station.views import tabs, viewer
 from station.views.palette import VIEWERS
-from station.views.viewer import executable
 
 
 @pytest.fixture(scope="module")
@@ -31,19 +29,9 @@ def refinement(tmp_path_factory, diagnosed):
 
 
 @pytest.fixture(scope="module")
-def drawn(refinement):
-    written = refinement.session.folder.parent / "model.rrd"
-    stream = rr.RecordingStream("tabs", send_properties=False)
-    stream.save(written)
-    tab = viewer_tabs.ladder_tab(refinement)(stream, VIEWERS[True])
-    stream.flush()
-    stream.disconnect()
-    return written, tab
-
-
-@pytest.fixture(scope="module")
-def file(drawn):
-    return drawn[0]
+def file(refinement):
+    result, _ = identify_session(refinement.session, Settings())
+    return viewer_tabs.write_view(refinement.session, result, Settings(), refinement)
 
 
 def chunks(file, path):
@@ -59,13 +47,15 @@ def texts(file, path):
     return found
 
 
-def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(drawn, refinement):
-    file, tab = drawn
+def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
     for place, step in enumerate(refinement.ladder.steps):
         assert chunks(file, f"/ladder/{place}/motion")
         assert times(step.error.chi2) in texts(file, f"/ladder/{place}/summary")[0]
     timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
     assert not timelines & {"time", "step"}
+    fits = tuple(step_again(refinement, step).fit for step in refinement.ladder.steps)
+    stream = rr.RecordingStream("tabs", send_properties=False)
+    tab = tabs.ladder(stream, VIEWERS[True], "one", refinement.ladder, fits, refinement.weighing)
     assert [one.name for one in tab.contents] == ["0: usual model", "1: + cubic_stiffness"]
     assert tab.active_tab == 1
 
@@ -80,7 +70,6 @@ def test_each_step_tells_what_it_added_and_why_the_climb_stopped(file):
 
 def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
     from identify.diagnosis.force_map import force_added
-    from station.operations.refining import step_again
 
     base, top = (step_again(refinement, step).fit for step in refinement.ladder.steps)
     prepared = refinement.prepared
@@ -94,32 +83,32 @@ def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(
     assert np.abs((added - left)[used]).max() < 0.15 * np.abs(left[used]).max()
 
 
-def test_a_session_without_results_has_no_tabs(tmp_path):
+def test_a_session_that_was_not_refined_has_no_ladder(tmp_path):
     settings = Settings(sessions=tmp_path)
-    bench = open_sessions((str(DUFFING),), settings)
-    assert viewer_tabs.kept_tabs(bench.sessions[0], settings) == ()
+    session = open_sessions((str(DUFFING),), settings).sessions[0]
+    result, _ = identify_session(session, settings)
+    assert not chunks(viewer_tabs.write_view(session, result, settings), "/ladder/**")
 
 
-def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch):
-    monkeypatch.setenv(viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    assert not viewer_tabs.show_ladder(refinement)
+def test_where_no_viewer_is_open_none_is_opened_and_nothing_is_written(refinement, monkeypatch):
+    monkeypatch.setattr(viewer, "PORT", viewer.free_port())
+    monkeypatch.setattr(viewer, "start", None)
+    (refinement.session.results / viewer_tabs.VIEW).unlink(missing_ok=True)
+    viewer_tabs.show_refined(refinement, Settings())
+    assert not (refinement.session.results / viewer_tabs.VIEW).exists()
 
 
 @pytest.mark.slow
-def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    server = subprocess.Popen(
-        [executable(), "--serve-grpc", "--port", str(port), "--bind", "127.0.0.1"],
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+@pytest.mark.filterwarnings(
+    "ignore::pytest.PytestUnraisableExceptionWarning"
+)  # what shows it outlives the station
+def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, tmp_path):
+    port, sent = viewer.free_port(), tmp_path / "sent.rrd"
+    server = viewer.start("--save", str(sent), "--port", str(port))
     try:
-        monkeypatch.setenv(viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
-        assert any(viewer.open_url() or server.poll() or _wait() for _ in range(100))
-        assert viewer_tabs.show_ladder(refinement)
+        assert viewer.wait_for(port)
+        viewer_tabs.show_refined(refinement, Settings(), port)
+        assert any((sent.is_file() and sent.stat().st_size > 100_000) or _wait() for _ in range(100))
     finally:
         server.terminate()
         server.wait(timeout=10)

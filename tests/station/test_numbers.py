@@ -91,3 +91,22 @@ def test_a_force_is_in_newtons_only_where_the_displacement_is_a_length():
     assert Weighing(2.0, unit="rad").force_scale == (2.0, "N m")
     assert Weighing(2.0, unit="V").force_scale == (2.0, "kg V/s^2")
     assert UNKNOWN.force_scale == (1.0, "m/s^2")
+
+
+@pytest.mark.parametrize(
+    ("length", "per_mass", "unit"),
+    [
+        ("m", "1/s", "N s/m"),
+        ("m", "1/m", "kg/m"),
+        ("m", "s/m^2", "kg s/m^2"),
+        ("m", "1/(m^4 s^2)", "N/m^5"),
+        ("m", "1/(m^2 s)", "N s/m^3"),
+        ("m", "reading/s", "kg reading/s"),
+        ("rad", "1/s^2", "N m/rad"),
+        ("rad", "1/(rad^2 s^2)", "N m/rad^3"),
+        ("rad", "1/rad", "N m s^2/rad^2"),
+        ("rad", "s/rad^2", "N m s^3/rad^3"),
+    ],
+)
+def test_a_strength_times_the_mass_has_a_unit_that_an_engineer_writes(length, per_mass, unit):
+    assert Weighing(2.0, unit=length).strength(Estimate(1.5, 0.1, per_mass)).unit == unit

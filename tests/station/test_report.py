@@ -61,7 +61,7 @@ def folder(tmp_path_factory):
         patch.chdir(made)
         patch.delenv("DISPLAY", raising=False)
         patch.delenv("WAYLAND_DISPLAY", raising=False)
-        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+        patch.setattr("station.views.viewer.PORT", 9)  # nobody listens there
         assert run(["import", str(DUFFING), "--mass", str(MASS), "--session", "sessions/duffing"]) == 0
         assert run(["diagnose", "duffing"]) == 0
         assert run(["refine", "duffing", "--add", "cubic_stiffness", "--no-viewer"]) == 0

@@ -16,7 +16,7 @@ from station.story.residual import reaches_floor, would_explain
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+    monkeypatch.setattr("station.views.viewer.PORT", 9)  # nobody listens there
     return tmp_path
 
 
