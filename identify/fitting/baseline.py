@@ -19,7 +19,7 @@ from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
+from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
@@ -166,7 +166,10 @@ class Baseline:
         stated = found if adequate else with_misfit_errors(found)
         if not adequate and not self.floor_is_sure:
             return stated
-        return with_walk_errors(stated, self.walk if found is self.fit else walk_beside(found))
+        walk = self.walk
+        if found is not self.fit and walk.evidence > RIVALS_WITHIN:  # else there is none beside one law more
+            walk = walk_beside(found)
+        return with_walk_errors(stated, walk)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square that includes the faults which are corrected but not named in the model."""
