@@ -287,6 +287,7 @@ class _Knots:
         return np.interp(window.clock, self.times[i], self.values[i] @ steps)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a motion that diverges has no response
 def _responses(place: Place, kind: int) -> Array:
     """Return the change of the misfit by each step of the walk of the stiffness (0) or damping (1), (readings, steps)."""
     knots = place.knots

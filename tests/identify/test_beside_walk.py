@@ -153,3 +153,10 @@ def test_noise_whose_colour_is_hardly_known_is_no_force():
         noise_acceleration=0.011166, gain_error=0.0, imperfections=("one_over_f",), sensor_pair=906128,
     )  # fmt: skip
     assert diagnose((ready(sample.rate, sample.displacement, sample.acceleration),)).named == ()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+def test_a_suspect_whose_motion_diverges_is_weighed_without_a_warning():
+    """The motion of one of its suspects diverges with the steps at which the walk's responses are simulated."""
+    assert diagnose((release("one_sided_friction", 0.01, 61019)[0],)).verdict == "unknown_effect"
