@@ -11,10 +11,9 @@ import numpy as np
 from daq.session import SessionSummary
 from daq.storage import write_whole
 from identify.arrays import Array
-from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign
-from station.campaign.trend import find_trend, sure_ones
+from station.campaign.statistics import control_limits, find_trend, sure_ones
 from station.results.campaign_document import (
     NAME,
     CampaignDocument,

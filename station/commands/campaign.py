@@ -52,9 +52,9 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
+    from station.campaign.run import cores
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign
-    from station.campaign.workers import cores
     from station.exits import Answered
     from station.text import campaign_text
     from station.text.layout import answer
@@ -111,7 +111,7 @@ def _imported(
     from daq.importing.options import ImportOptions
     from daq.importing.propose import Doubtful
     from daq.importing.recipe import read_recipe, to_toml
-    from station.campaign.files import Names, files_in, import_files
+    from station.campaign.sources import Names, files_in, import_files
     from station.commands.asking import asked
     from station.exits import UsageProblem
     from station.operations.new_session import session_info

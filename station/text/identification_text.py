@@ -8,7 +8,7 @@ from station.story.adequacy import judgement, scale_doubt, sigmas_apart
 from station.story.identification import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import noise_scale, typeset, typeset_unit
+from station.text.numbers import noise_scale, scale, typeset, typeset_unit
 from station.text.record_text import mass_words, sampling
 
 KINDS = {
@@ -37,31 +37,44 @@ def next_command(result: Identification) -> str:
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
-    decay, release, found = result.decay, result.release, result.adequacy
+    decay, found = result.decay, result.adequacy
     names = [*decay.channels, *(() if decay.force is None else ("force",))]
     sampled = sampling(len(decay), decay.rate, decay.rate_std)
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
         ("record", f"{sampled}: {' and '.join(names)}"),
         ("mass", mass_words(result.weighing)),
-        ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
+        ("release", release_words(result)),
         ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
-        ("noise", ", ".join(f"{channel} {noise}" for channel, noise in noise_of(result))),
+        ("noise", noise_words(result)),
         ("lag", lag_words(result)),
         ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),
         ("clock", "" if result.wavelet is None else typeset(result.wavelet.clock)),
     ]
 
 
-def noise_of(result: Identification) -> list[tuple[str, str]]:
-    """List the channels with the rms of the noise of each, as the record alone shows it."""
+def release_words(result: Identification) -> str:
+    """Say when and how the mass was released, from where, and how long it was at rest before."""
+    decay, release, size = result.decay, result.release, result.amplitude
+    if decay.driven:
+        return "none: a recorded force drives the motion to the end"
+    words = f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}"
+    if size is not None:
+        factor, unit = scale("displacement", decay.unit)
+        words += f", {abs(size) * factor:.4g} {typeset(unit)} from its rest"
+    rest = (release.rest[1] - release.rest[0]) / decay.rate
+    return f"{words}, {rest:.2f} s after the record began at rest" if rest > 0.0 else words
+
+
+def noise_words(result: Identification) -> str:
+    """Write the rms of each channel's noise, as the record alone shows it."""
     found = []
     for name in result.decay.channels:
         noise = getattr(result.decay, f"noise_{name}")
         if noise is not None:
             factor, unit = noise_scale(name, result.decay.unit, noise)
-            found.append((name, f"{three_figures(noise * factor)} {typeset(unit)} rms before any fit"))
-    return found
+            found.append(f"{name} {three_figures(noise * factor)} {typeset(unit)} rms before any fit")
+    return ", ".join(found)
 
 
 def lag_words(result: Identification) -> str:

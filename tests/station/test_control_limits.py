@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.campaign.control_limits import control_limits
+from station.campaign.statistics import control_limits
 
 
 def test_three_spreads_leave_out_as_many_of_a_normal_series_as_they_should():
