@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from daq.port_names import fault_of
 from station.exits import UsageProblem
-from station.validation_words import refusal
+from station.suggestions import refusal
 
 DEFAULT_FILE = Path("station.toml")
 LARGEST = 1 << 20

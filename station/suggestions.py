@@ -1,9 +1,12 @@
-"""Suggestions for a mistyped word."""
+"""What is said of a mistyped word, or of a value that a library refuses, to the person who gave it."""
 
 import difflib
 import re
 from collections.abc import Iterable
 from importlib.resources import files
+from typing import Any
+
+from pydantic import ValidationError
 
 from station.exits import UsageProblem
 
@@ -13,6 +16,7 @@ MEASURED_CURVE = "measured_curve"
 _CLOSE = 0.5
 _MOST = 3
 _SHORTEST = 4
+LONGEST = 200
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -37,3 +41,28 @@ def effect_names() -> tuple[str, ...]:
         if file.name.endswith(".py") and file.name != "families.py":
             found += re.findall(r'^    name="(\w+)",$', file.read_text(encoding="utf-8"), re.MULTILINE)
     return tuple(sorted(found))
+
+
+def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
+    """Find where a document or a setting is wrong and how: "specimen.mass_kg must be greater than 0 (it is -3)"."""
+    first = error.errors(include_url=False)[0]
+    entry = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        return one_line(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
+    words = re.sub(r"^\w+ should", "must", str(first["msg"]))
+    words = re.split(r", unable to | or instance of ", words)[0].replace("be a valid", "be a")
+    words = words.replace("Field required", "is missing")
+    given = first.get("input")
+    if words.startswith("must be") and isinstance(given, int | float | str):
+        words += f" (it is {_plain(given)})"
+    return one_line(f"{entry} {words}".strip())
+
+
+def _plain(value: Any) -> Any:
+    return f"{value:g}" if isinstance(value, float) else value
+
+
+def one_line(text: str) -> str:
+    """Write a text in one line that fits a message, however much of a file it quotes."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."

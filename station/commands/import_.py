@@ -137,7 +137,7 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
 
 def _told(file: Path, imported: "Imported") -> Told:
     from daq.session_reading import RECIPE
-    from station.text.record_text import sampling
+    from station.text.identification_text import sampling
 
     rows = []
     for recording in imported.recordings:

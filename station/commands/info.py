@@ -62,7 +62,7 @@ def command(
 
 def _rows(document: dict[str, Any], rate: float, length: str, model: str) -> list[tuple[str, str]]:
     from station.story.engineering_values import Weighing
-    from station.text.record_text import flagged_lines, mass_words, sampling
+    from station.text.identification_text import flagged_lines, mass_words, sampling
 
     sampled, verdict = sampling(document["samples"], rate, document["rate_std_hz"]), document["verdict"]
     return [

@@ -10,9 +10,9 @@ from station.story.budget import budget, calibration_of
 from station.story.engineering_values import engineering_values
 from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
+from station.text.identification_text import mass_words
 from station.text.layout import sentence
 from station.text.numbers import typeset_unit
-from station.text.record_text import mass_words
 from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"

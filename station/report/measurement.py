@@ -4,15 +4,13 @@ import platform
 from datetime import UTC
 
 from daq.recording import Channel
-from identify.formatting import three_figures, with_error
+from identify.formatting import three_figures
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED
-from station.results.identification_document import amplitude
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.identification_text import KINDS, alignment_rows, noise_of
-from station.text.numbers import scale, typeset_unit
-from station.text.record_text import flagged_lines, mass_words, sampling
+from station.text.identification_text import alignment_rows, flagged_lines, mass_words, sampling
+from station.text.numbers import typeset_unit
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
 
@@ -59,19 +57,15 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
 
 
 def capture(found: Findings) -> list[Part]:
-    """Show the record, the verdict on it, what was lost, the noise and the release."""
-    parts: list[Part] = [_verdict(found)]
+    """Show the record, the verdict on it, and what was lost."""
     result = found.identification
     flags = found.manifest.flags if found.manifest is not None else ()
-    rows = [("lost samples", _lost(found))]
-    lines = flagged_lines([flag.model_dump() for flag in flags], found.recording.rate)
-    rows += [("flagged", "; ".join(lines))] if lines else []
-    if result is not None:
-        rows += _release(found)
-        rows += [(f"noise, {name}", noise) for name, noise in noise_of(result)]
-    if found.recording.notes:
-        rows.append(("how it was read", "; ".join(found.recording.notes)))
-    parts.append(Facts(tuple(rows)))
+    rows = [
+        ("lost samples", _lost(found)),
+        ("flagged", "; ".join(flagged_lines([flag.model_dump() for flag in flags], found.recording.rate))),
+        ("how it was read", "; ".join(found.recording.notes)),
+    ]
+    parts: list[Part] = [_verdict(found), *facts(rows)]
     if result is None:
         reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
         parts.append(Paragraph(reason, strong=True))
@@ -104,25 +98,6 @@ def _lost(found: Findings) -> str:
     gaps = found.recording.gaps
     longest = max((gap.count for gap in gaps), default=lost)
     return f"{lost}, marked and never filled in; the longest gap {longest} samples"
-
-
-def _release(found: Findings) -> list[tuple[str, str]]:
-    assert found.identification is not None
-    decay, release = found.identification.decay, found.identification.release
-    if decay.driven:
-        return [("motion", "a recorded force drives it to the end: there is no free decay")]
-    rest = (release.rest[1] - release.rest[0]) / decay.rate
-    rows = [
-        (
-            "release",
-            f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
-        ),
-        ("rest before", f"{rest:.2f} s"),
-    ]
-    if (size := amplitude(found.identification)) is not None:
-        factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{abs(size) * factor:.4g} {typeset_unit(label)}"))
-    return rows
 
 
 def alignment(found: Findings) -> list[Part]:

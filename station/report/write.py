@@ -6,10 +6,9 @@ from pathlib import Path
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.report.equation import equation
 from station.report.findings import Findings, gather
 from station.report.first_page import first_page
-from station.report.loop import comparison, ladder, methods, suspects
+from station.report.loop import comparison, equation, ladder, methods, suspects
 from station.report.measurement import alignment, capture, provenance, setup
 from station.settings import Settings
 from station.story.pipeline import Progress, silent

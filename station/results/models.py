@@ -14,7 +14,7 @@ from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from station.exits import UsageProblem
 from station.story.known_model import KnownModel
-from station.validation_words import one_line, refusal
+from station.suggestions import one_line, refusal
 
 LARGEST = 1 << 20
 

@@ -1,15 +1,17 @@
-"""An identification in words: whether its values may be quoted, both methods side by side, and why."""
+"""A record and its identification in words: how it was sampled, whether its values may be quoted, both methods, and why."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
+from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import noise_scale, scale, typeset, typeset_unit
-from station.text.record_text import mass_words, sampling
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -54,7 +56,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 
 
 def release_words(result: Identification) -> str:
-    """Say when and how the mass was released, from where, and how long it was at rest before."""
+    """Say when and how the mass was released, how far from its rest, and how long it had been still."""
     decay, release, size = result.decay, result.release, result.amplitude
     if decay.driven:
         return "none: a recorded force drives the motion to the end"
@@ -63,7 +65,7 @@ def release_words(result: Identification) -> str:
         factor, unit = scale("displacement", decay.unit)
         words += f", {abs(size) * factor:.4g} {typeset(unit)} from its rest"
     rest = (release.rest[1] - release.rest[0]) / decay.rate
-    return f"{words}, {rest:.2f} s after the record began at rest" if rest > 0.0 else words
+    return f"{words}, after {rest:.2f} s at rest" if rest > 0.0 else words
 
 
 def noise_words(result: Identification) -> str:
@@ -164,3 +166,30 @@ def uncorrected(result: Identification) -> str:
     values = (weighing.strength(one) for one in (wrong, right))
     said = " instead of ".join(f"{one.value:.4g} {typeset_unit(one.unit)}" for one in values)
     return f"the restoring force would have given {typeset(damping_name(1))} = {said}"
+
+
+def sampling(samples: int, rate: float, rate_std: float | None) -> str:
+    """Return "2240 samples at 256.000 ± 0.003 Hz (8.75 s)"; without an error the rate is taken as exact, which is said."""
+    hertz = with_error(rate, rate_std) if rate_std else f"{rate:.8g}"
+    given = "" if rate_std else ", the rate taken as exact"
+    return f"{samples} samples at {hertz} Hz ({samples / rate:.4g} s){given}"
+
+
+def mass_words(weighing: Weighing) -> str:
+    """Write the mass with its error, or that there is none."""
+    if weighing.mass is None:
+        return weighing.words
+    mass = with_error(weighing.mass, weighing.mass_std) if weighing.mass_std else f"{weighing.mass:g}"
+    return f"{mass} {'kg m²' if weighing.unit == 'rad' else 'kg'}"
+
+
+def flagged_lines(flags: Iterable[dict[str, Any]], rate: float) -> list[str]:
+    """Return a line for each channel and flag of runs (`channel`, `flag`, `first`, `count`) at `rate` Hz."""
+    found: dict[tuple[str, str], list[tuple[int, int]]] = {}
+    for run in flags:
+        found.setdefault((run["channel"], run["flag"]), []).append((run["first"], run["count"]))
+    return [
+        f"{channel}: {flag}, {sum(count for _, count in spans)} samples"
+        f" from {spans[0][0] / rate:.3f} to {(spans[-1][0] + spans[-1][1]) / rate:.3f} s"
+        for (channel, flag), spans in found.items()
+    ]
