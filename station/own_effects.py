@@ -7,6 +7,7 @@ from pathlib import Path
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from station.exits import UsageProblem
+from station.suggestions import read_named
 
 _EXAMPLE = 'EFFECTS = (own_effect("magnet", "a*u/(1 + (u/b)**2)"),)'
 
@@ -22,10 +23,7 @@ def whole_library(file: Path | None) -> tuple[Effect, ...]:
 
 def load_effects(path: Path) -> tuple[Effect, ...]:
     """Run a Python file and return the effects in its `EFFECTS`; UsageProblem, with the line, where it has none."""
-    try:
-        path.read_bytes()
-    except OSError as error:
-        raise UsageProblem(f"the effects {path} cannot be read: {error.strerror or error}") from error
+    read_named(path, "the effects")
     try:
         found = runpy.run_path(str(path)).get("EFFECTS")
     except (Exception, SystemExit) as error:

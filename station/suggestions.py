@@ -1,9 +1,10 @@
-"""What is said of a mistyped word, or of a value that a library refuses, to the person who gave it."""
+"""What is said of a mistyped word, a value that a library refuses, or a file that cannot be read, to who gave it."""
 
 import difflib
 import re
 from collections.abc import Iterable
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -17,6 +18,7 @@ _CLOSE = 0.5
 _MOST = 3
 _SHORTEST = 4
 LONGEST = 200
+LARGEST = 1 << 20
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -41,6 +43,21 @@ def effect_names() -> tuple[str, ...]:
         if file.name.endswith(".py") and file.name != "families.py":
             found += re.findall(r'^    name="(\w+)",$', file.read_text(encoding="utf-8"), re.MULTILINE)
     return tuple(sorted(found))
+
+
+def read_named(path: Path, what: str, most: int = LARGEST) -> bytes:
+    """Return what is in a file that the operator named; UsageProblem, which says `what` it is, where it cannot be read.
+
+    So is one of more than `most` bytes.
+    """
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(most + 1)
+    except OSError as error:
+        raise UsageProblem(f"{what} {path} cannot be read: {error.strerror or error}") from error
+    if len(content) > most:
+        raise UsageProblem(f"{what} {path}: larger than {most >> 20} MB; name another file")
+    return content
 
 
 def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:

@@ -66,12 +66,9 @@ def campaign(
 def campaign_document(
     folder: Path, diagnosed: bool, run: Run, metadata: dict[str, Known] | None = None
 ) -> CampaignDocument:
-    """Put the findings of a run together; `metadata` are the operator's by the sessions' names and come before theirs."""
+    """Put the findings of a run together; `metadata` are the operator's by `names_known` and come before the sessions'."""
     rows = sorted(
-        (
-            _row(source, result, (metadata or {}).get(source.folder.name, Known()))
-            for source, result in run.results
-        ),
+        (_row(source, result, metadata or {}) for source, result in run.results),
         key=lambda row: (row.made.timestamp(), row.result.session),
     )
     parameters = parameter_series(rows)
@@ -91,8 +88,14 @@ def campaign_document(
     )
 
 
-def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
+def names_known(source: SessionSummary) -> tuple[str, ...]:
+    """Return the names under which the operator's table may have a session: its own, and that of its file."""
+    return source.folder.name, source.info.source_file if source.info else ""
+
+
+def _row(source: SessionSummary, result: SessionResult, metadata: dict[str, Known]) -> CampaignRow:
     assert source.info is not None  # it has a result
+    known = next((metadata[name] for name in names_known(source) if name in metadata), Known())
     mass = {} if source.info.mass_kg is None else {"mass [kg]": source.info.mass_kg}
     conditions = mass | source.info.conditions | known.conditions
     return CampaignRow(made=known.date or source.info.created, conditions=conditions, result=result)

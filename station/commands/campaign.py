@@ -12,7 +12,6 @@ from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from daq.session import SessionSummary
     from station.campaign.metadata import Known
     from station.campaign.run import Watch
     from station.results.campaign_document import CampaignDocument
@@ -54,7 +53,7 @@ def command(
     from station.campaign.metadata import read_metadata
     from station.campaign.run import cores
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
-    from station.campaign.together import campaign
+    from station.campaign.together import campaign, names_known
     from station.exits import Answered
     from station.text import campaign_text
     from station.text.layout import answer
@@ -70,7 +69,9 @@ def command(
     else:
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
-    known = _of_sessions(known, sources, metadata)
+    names_of = (name for source in sources for name in names_known(source))
+    if unknown := len(set(known).difference(names_of)):
+        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
     processes = min(workers or cores(), len(sources))
     try:
         with _watched(len(sources)) as watch:
@@ -84,20 +85,6 @@ def command(
     answer(document.plain(), campaign_text.told(document), *step)
     if not document.rows:
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
-
-
-def _of_sessions(
-    known: "dict[str, Known]", sources: "tuple[SessionSummary, ...]", metadata: Path | None
-) -> "dict[str, Known]":
-    """Return what the operator's table says, by the names of the sessions; count what is of none of them."""
-    told = {
-        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
-        for source in sources
-    }
-    unknown = len(set(known) - set().union(*told.values()))
-    if unknown:
-        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
-    return {name: known[key] for name, keys in told.items() for key in keys if key in known}
 
 
 def _imported(

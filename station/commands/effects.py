@@ -72,6 +72,6 @@ def _document(effect: "Effect") -> dict[str, Any]:
     return {
         **picked(effect, "name", "title", "kind", "equation", "confusable_with", tell="symptom"),
         "parameters": [picked(p, "name", "unit", "meaning", "low", "high") for p in effect.parameters],
-        "borrows": getattr(effect, "shared_parameters", ()),
+        "borrows": list(getattr(effect, "shared_parameters", ())),
         "proof": effect.confirming_test,
     }

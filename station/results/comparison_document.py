@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from station.results.documents import FreeRunErrors, picked, plain
+from station.results.documents import Errors, picked, plain
 from station.story.compared import Compared
 
 NAME = "comparison.json"
@@ -25,7 +25,7 @@ def comparison_document(compared: Compared) -> dict[str, Any]:
             "format": 1,
             **picked(compared, "pieces", session="name", model_is="words", model_remark="remark"),
             "model": picked(fit.model, "equation", effects="names") | {"parameters": fit.parameters},
-            "error": FreeRunErrors.model_validate(compared.error),
+            "error": Errors.model_validate(compared.error),
             "one_run": picked(
                 found, force_mse_percent="force_error", motion_percent="motion_error", chi2="chi_square"
             ),

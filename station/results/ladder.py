@@ -2,7 +2,7 @@
 
 from typing import Any, Self
 
-from pydantic import AliasPath, Field
+from pydantic import Field
 
 from daq.session import Session
 from daq.storage import digest
@@ -28,7 +28,6 @@ class KeptStep(Part):
     removed: str = ""
     model: ModelFile
     error: Errors
-    chi2_std: float = Field(validation_alias=AliasPath("error", "floor_std"))
     floor_percent: Number
     at_floor: bool
     nuisances: dict[str, float]
@@ -121,12 +120,12 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
                 "added": step.added or None,
                 "removed": step.removed or None,
                 "effects": step.effects,
-                "error": step.error.model_dump() | {"chi2_std": step.chi2_std},
+                "error": step.error.model_dump(),
                 "parameters": {name: value.model_dump() for name, value in step.model.parameters.items()},
             }
             for step in steps
         ],
-        "floor": ladder.noise.model_dump(),
+        "floor": ladder.noise.model_dump(exclude_none=True),
         "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }

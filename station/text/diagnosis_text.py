@@ -66,7 +66,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
 
     `full` adds the reason for which each is a suspect, and chi-square. What predictions name together was fitted together.
     """
-    error, named, floor = document.error, document.error_with_named, document.noise_floor
+    error, named = document.error, document.error_with_named
     predicted = document.by_prediction
     reason = ["predicts"] if predicted else ["explains"] * full
     rows = [("", document.model_is, error.motion_percent, error.chi2, "")]
@@ -84,7 +84,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
         for _, name, motion, chi2, word in rows
     ]
     blank = ("",) * (len(reason) + full)
-    cells.append(("noise alone", "", floor_words(floor.chi2_std if floor else None), *blank))
+    cells.append(("noise alone", "", floor_words(error.chi2_std), *blank))
     head = (
         f"residual, free run of {error.horizon_s or 0.0:.1f} s", "% of motion", "times noise", *reason,
         *["chi-square"] * full,
@@ -204,7 +204,7 @@ def other_modes(document: DiagnosisDocument) -> str:
     """Say which other modes the record shows; "" for none."""
     if not document.modes:
         return ""
-    return f"besides the fitted one: {' and '.join(mode.words for mode in document.modes)}"
+    return f"besides the fitted one: {' and '.join(mode['words'] for mode in document.modes)}"
 
 
 def _of_effect(parameter: str) -> str:

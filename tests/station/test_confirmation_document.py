@@ -56,7 +56,13 @@ def suspect(effect: str, confirmed: bool | None, **others: object) -> dict[str, 
 
 def document(found: Confirmation, sessions: tuple[str, ...] = NAMES) -> DiagnosisDocument:
     """Return a diagnosis that names drag, confirmed so."""
-    error = {"force_mse_percent": 11.8, "motion_percent": 57.3, "chi2": 679236.0, "horizon_s": 4.8}
+    error = {
+        "force_mse_percent": 11.8,
+        "motion_percent": 57.3,
+        "chi2": 679236.0,
+        "horizon_s": 4.8,
+        "chi2_std": 0.05,
+    }
     rivals = ["cubic_damping"] if found.effects else []
     return DiagnosisDocument.model_validate(
         refused_document(sessions, base_model(), "").plain()
