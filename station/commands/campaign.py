@@ -1,4 +1,4 @@
-"""`station campaign`: hundreds of sessions, in one table with trends and control limits."""
+"""`station campaign`: identify hundreds of sessions; trends, control limits."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""`station demo`: the whole job on a simulated board, which runs as a program of its own."""
+"""`station demo`: run the whole job on a simulated board."""
 
 import json
 from pathlib import Path

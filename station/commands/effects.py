@@ -1,4 +1,4 @@
-"""`station effects`: the library of physical effects and sensors' faults, and one of them in full."""
+"""`station effects`: list the effects a model may lack, or describe one."""
 
 from math import isfinite
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""`station guide`: a test that says what to release next, until it is sure what is missing."""
+"""`station guide`: say what to release next, until it is sure what is missing."""
 
 import sys
 from pathlib import Path

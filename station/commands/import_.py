@@ -1,4 +1,4 @@
-"""`station import`: recordings of other boards become sessions."""
+"""`station import`: turn a file of another board into sessions."""
 
 from dataclasses import replace
 from pathlib import Path

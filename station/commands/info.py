@@ -1,4 +1,4 @@
-"""`station info`: what a session holds, and its current model."""
+"""`station info`: show what a session holds."""
 
 from typing import Any
 

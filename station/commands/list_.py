@@ -1,4 +1,4 @@
-"""`station list`: the sessions in a folder."""
+"""`station list`: list the sessions in a folder."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

@@ -13,6 +13,7 @@ from station.settings import load_settings
 
 FILE = click.Path(path_type=Path)
 POSITIVE = click.FloatRange(min=0, min_open=True)
+WITHIN_AN_HOUR = click.FloatRange(0, 3600, min_open=True)
 KINDS: dict[Any, dict[str, Any]] = {
     bool: {"is_flag": True},
     Path: {"type": FILE},
@@ -142,21 +143,10 @@ MODEL = option(
     metavar="FILE",
 )
 EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE", is_eager=True)
-MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE, metavar="KG")
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
 FULL = option("Print all that is known, not only the result.", "--full")
 NO_VIEWER = option("Do not open the viewer.", "--no-viewer")
-DURATION = option(
-    "Seconds after the release (8).", "--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S"
-)
-RATE = option("Sampling rate (256).", "--rate", type=click.FloatRange(5, 20000), metavar="HZ")
-PATIENCE = option(
-    "How long to wait for the release (60).",
-    "--patience",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-)
 SPECIMEN = option("What is tested.", "--specimen")
 OPERATOR = option("Who tests it.", "--operator")
 CONDITIONS = option(
@@ -191,9 +181,9 @@ BAUD = option("Baud rate of the lines (115200).", "--baud", type=click.IntRange(
 RELEASE = {
     "mass": (float, MASS),
     "mass_std": (float, MASS_STD),
-    "duration": (float, DURATION),
-    "rate": (float, RATE),
-    "patience": (float, PATIENCE),
+    "duration": (float, option("Seconds after the release (8).", type=WITHIN_AN_HOUR, metavar="S")),
+    "rate": (float, option("Sampling rate (256).", type=click.FloatRange(5, 20000), metavar="HZ")),
+    "patience": (float, option("How long to wait for the release (60).", type=WITHIN_AN_HOUR, metavar="S")),
     "specimen": (str, SPECIMEN),
     "operator": (str, OPERATOR),
     "conditions": (tuple[str, ...], CONDITIONS),

@@ -1,4 +1,4 @@
-"""`station recover`: finish what a power cut or a crash left half done."""
+"""`station recover`: seal a session that was cut off in mid-capture."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`station table`: the paper's tables for any number of sessions."""
+"""`station table`: print the paper's tables for any number of sessions."""
 
 import click
 

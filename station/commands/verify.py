@@ -1,4 +1,4 @@
-"""`station verify`: does every file of a session still hold what was written?"""
+"""`station verify`: check a session's files against its manifest."""
 
 from station.commands.options import SESSIONS, declared
 from station.exits import STORAGE, Answered
