@@ -187,7 +187,6 @@ class DiagnosisDocument(Document):
     named: list[str]
     rivals: list[str]
     suspects: list[SuspectDocument]
-    together: list[str]
     findings: list[FindingDocument]
     error_with_named: Errors | None
     shape: ShapeDocument | None
@@ -293,7 +292,7 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
             "verdict": "not_enough_data",
             "explanation": reason,
             "next_experiment": MORE_DATA,
-            **dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ()),
+            **dict.fromkeys(("named", "rivals", "suspects", "findings"), ()),
             **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
         }
     )

@@ -8,7 +8,7 @@ from identify.formatting import DASH, decimals_for, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.results.documents import picked
 from station.text.content import Table, Told, facts
-from station.text.numbers import probability, scale, typeset_unit, with_unit
+from station.text.numbers import amplitude_words, probability, typeset_unit, with_unit
 
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10
@@ -60,10 +60,8 @@ def _few(rows: list[CampaignRow]) -> Table:
     lines = []
     for row in rows:
         known = ", ".join(f"{name} {value:g}" for name, value in row.conditions.items())
-        found, size = row.result, row.result.amplitude
-        estimate = found.parameters.get("wavelet.K")
-        factor, unit = scale("displacement", found.unit)
-        amplitude = DASH if size is None else f"{three_figures(size * factor)} {unit}"
+        found, estimate = row.result, row.result.parameters.get("wavelet.K")
+        amplitude = amplitude_words(found.amplitude, found.unit)
         lines.append(
             (found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate))
         )

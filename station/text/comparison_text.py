@@ -8,7 +8,7 @@ from station.story.compared import Compared
 from station.story.residual import floor_words, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
-from station.text.numbers import scale, typeset
+from station.text.numbers import noise_words, typeset
 
 FEW_PLACES = 2
 
@@ -65,8 +65,7 @@ def floor_text(compared: Compared) -> str:
     parts = []
     for name, noise in found.floor.items():
         share = 100.0 * noise.uncertainty / noise.std if noise.std > 0 else float("nan")
-        unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
-        parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
+        parts.append(f"{noise_words(name, noise.std, found.unit)} ± {share:.0f} % ({noise.source})")
     return typeset(f"used by the fit: {'; '.join(parts)}")
 
 

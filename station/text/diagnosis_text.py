@@ -18,7 +18,7 @@ from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import scale, typeset, typeset_unit, with_names
+from station.text.numbers import amplitude_words, typeset, typeset_unit, with_names
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
@@ -244,15 +244,13 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
     """Make a table for the largest and one for the smallest amplitude, an effect a row; none where nothing is known."""
     found = []
     for which, at in zip(("largest", "smallest"), shares, strict=False):
-        factor, unit = scale("displacement", at.unit)
         rows = tuple(
             (one.effect, _cell(one.force), three_figures(one.force_percent.value), _cell(one.loss_percent),
              _cell(one.frequency_percent))
             for one in at.effects
         )  # fmt: skip
-        size = f"{three_figures(factor * (at.amplitude or 0.0))} {unit}"
         head = (
-            f"at {size},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
+            f"at {amplitude_words(at.amplitude, at.unit)},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
             "of all but\nspring, %", "of the loss\n%", "frequency\nchanged by, %",
         )  # fmt: skip
         found.append(Table("", head, rows))

@@ -11,7 +11,7 @@ from station.story.engineering_values import Weighing
 from station.story.identification import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import noise_scale, scale, typeset, typeset_unit
+from station.text.numbers import amplitude_words, noise_words, typeset, typeset_unit
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -42,13 +42,15 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     decay, found = result.decay, result.adequacy
     names = [*decay.channels, *(() if decay.force is None else ("force",))]
     sampled = sampling(len(decay), decay.rate, decay.rate_std)
+    known = ((name, getattr(decay, f"noise_{name}")) for name in decay.channels)
+    noises = [noise_words(name, noise, decay.unit) for name, noise in known if noise is not None]
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
         ("record", f"{sampled}: {' and '.join(names)}"),
         ("mass", mass_words(result.weighing)),
         ("release", release_words(result)),
         ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
-        ("noise", noise_words(result)),
+        ("noise", f"{', '.join(noises)} rms, before any fit" if noises else ""),
         ("lag", lag_words(result)),
         ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),
         ("clock", "" if result.wavelet is None else typeset(result.wavelet.clock)),
@@ -62,21 +64,9 @@ def release_words(result: Identification) -> str:
         return "none: a recorded force drives the motion to the end"
     words = f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}"
     if size is not None:
-        factor, unit = scale("displacement", decay.unit)
-        words += f", {abs(size) * factor:.4g} {typeset(unit)} from its rest"
+        words += f", {amplitude_words(size, decay.unit)} from its rest"
     rest = (release.rest[1] - release.rest[0]) / decay.rate
     return f"{words}, after {rest:.2f} s at rest" if rest > 0.0 else words
-
-
-def noise_words(result: Identification) -> str:
-    """Write the rms of each channel's noise, as the record alone shows it."""
-    found = []
-    for name in result.decay.channels:
-        noise = getattr(result.decay, f"noise_{name}")
-        if noise is not None:
-            factor, unit = noise_scale(name, result.decay.unit, noise)
-            found.append(f"{name} {three_figures(noise * factor)} {typeset(unit)} rms before any fit")
-    return ", ".join(found)
 
 
 def lag_words(result: Identification) -> str:

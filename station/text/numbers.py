@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import DASH, SPACE, Estimated, quantities, quantity
+from identify.formatting import DASH, SPACE, Estimated, quantities, quantity, scaled
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -63,10 +63,17 @@ def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
     return 1.0, f"{unit}/s" if channel == "velocity" else f"{unit}/s^2"
 
 
-def noise_scale(channel: str, unit: str, noise: float) -> tuple[float, str]:
-    """Return the scale in which a channel's noise is shown: the fine one unless that makes a thousand or more of it."""
-    fine = scale(channel, unit, fine=True)
-    return fine if noise * fine[0] < 1000.0 else scale(channel, unit)
+def amplitude_words(size: float | None, unit: str) -> str:
+    """Write a displacement without its sign, to four figures: "25 mm"."""
+    factor, shown = scale("displacement", unit)
+    return DASH if size is None else f"{abs(size) * factor:.4g} {typeset_unit(shown)}"
+
+
+def noise_words(channel: str, noise: float, unit: str) -> str:
+    """Write the rms of a channel's noise, `unit` being that of the displacement: "displacement 5 µm"."""
+    return typeset(
+        f"{channel} {scaled(noise, unit if channel == 'displacement' else scale(channel, unit)[1])}"
+    )
 
 
 def scale_as_recorded(quantity: str, unit: str) -> tuple[float, str]:
@@ -87,7 +94,7 @@ def typeset(text: str) -> str:
     """Return a sentence with raised powers, Greek letters and the signs that a terminal has no letters for."""
     raised = re.sub(r"\^(-?\d+)", lambda found: found.group(1).translate(_RAISED), text)
     greek = re.sub(r"\bmu_(\d)\b", lambda found: f"μ{lowered(int(found.group(1)))}", raised)
-    return re.sub(r"\bu(m|s|J|N)\b", r"µ\1", greek).replace("+-", "±")
+    return re.sub(r"\bu(m|s|J|N|V|rad)\b", r"µ\1", greek).replace("+-", "±")
 
 
 def typeset_unit(text: str) -> str:

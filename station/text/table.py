@@ -11,7 +11,7 @@ from identify.formatting import DASH, SPACE, with_error
 from station.story.engineering_values import UNKNOWN, Weighing
 from station.story.identification import Identification
 from station.text.content import Paragraph, Table
-from station.text.numbers import scale, typeset, typeset_unit
+from station.text.numbers import amplitude_words, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -100,7 +100,7 @@ def told(tables: Tables) -> tuple[Table, ...]:
     rows = tuple(
         (
             f"{row['session']}{'' if row['quotable'] else '*'}",
-            _amplitude(row),
+            amplitude_words(row["amplitude"], row["amplitude_unit"]),
             *(_cell(row[c]) for c in columns),
         )
         for row in tables.table_1
@@ -119,13 +119,6 @@ def told(tables: Tables) -> tuple[Table, ...]:
     )
     caption = f"Table 2. Mean and standard deviation over {len(rows)} releases"
     return first, Table(caption, ("", "unit", *METHODS), means, texts=2)
-
-
-def _amplitude(row: Row) -> str:
-    if row["amplitude"] is None:
-        return DASH
-    factor, unit = scale("displacement", row["amplitude_unit"])
-    return f"{abs(row['amplitude']) * factor:.4g} {unit}"
 
 
 def _cell(cell: Estimate | Row | None) -> str:

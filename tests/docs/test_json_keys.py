@@ -24,7 +24,6 @@ OF_EVERY_DOCUMENT = {
     "format",
     "session",
     "sessions",
-    "together",
     "rivals",
     "expressions",
     "model_is",
