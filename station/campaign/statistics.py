@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from identify.arrays import Array
-from station.results.campaign_document import Limits, Trend
+from station.results.campaign_document import Trend
 
 MEDIAN_RANGE = 0.9539
 """Median of the range of two values from a normal distribution, in standard deviations: sqrt 2 * 0.6745."""
@@ -19,12 +19,12 @@ FAR = 5.0
 MOST_PAIRED = 800
 
 
-def control_limits(values: Array) -> tuple[Limits, NDArray[np.bool_]] | None:
-    """Find the limits of values (n,) in the order in which they were made, and which are outside; None for fewer than five.
+def control_limits(values: Array) -> tuple[float, float, NDArray[np.bool_]] | None:
+    """Find centre and spread of values (n,) in the order in which they were made, and which lie more than three spreads away.
 
-    Centre is the median, spread the median moving range / 0.954: the chart of individuals in its robust form
-    (Montgomery, Statistical Quality Control, 6.4), of which a single outlier moves neither. A drift does not widen
-    the limits: it leaves them. Where more than half of the values repeat, the spread is that of their absolute
+    None for fewer than five. Centre is the median, spread the median moving range / 0.954: the chart of individuals in its
+    robust form (Montgomery, Statistical Quality Control, 6.4), of which a single outlier moves neither. A drift does not
+    widen the limits: it leaves them. Where more than half of the values repeat, the spread is that of their absolute
     deviations, and 0 where these vanish too; nothing is outside then but what differs.
     """
     if len(values) < FEWEST:
@@ -34,9 +34,7 @@ def control_limits(values: Array) -> tuple[Limits, NDArray[np.bool_]] | None:
     if spread == 0.0:
         spread = float(np.median(np.abs(values - centre))) / 0.6745
     slack = 1e-12 * max(abs(centre), float(np.max(np.abs(values))))
-    off = WIDTH * spread
-    limits = Limits(centre=centre, spread=spread, lower=centre - off, upper=centre + off)
-    return limits, np.abs(values - centre) > off + slack
+    return centre, spread, np.abs(values - centre) > WIDTH * spread + slack
 
 
 def find_trend(x: Array, y: Array, std: Array) -> Trend | None:

@@ -13,7 +13,7 @@ from daq.storage import write_whole
 from identify.arrays import Array
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign
-from station.campaign.statistics import control_limits, find_trend, sure_ones
+from station.campaign.statistics import WIDTH, control_limits, find_trend, sure_ones
 from station.results.campaign_document import (
     NAME,
     CampaignDocument,
@@ -137,22 +137,25 @@ def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
     found = control_limits(series.values[there])
     if found is None:
         return None
-    limits, is_outside = found
+    centre, spread, is_outside = found
     outside = [
         OutsideDocument(
             session=rows[i].result.session,
             value=float(series.values[i]),
             std=float(series.std[i]),
-            sigmas=float((series.values[i] - limits.centre) / limits.spread) if limits.spread else math.inf,
+            sigmas=float((series.values[i] - centre) / spread) if spread else math.inf,
         )
         for i in there[is_outside]
     ]
     known = series.std[there][np.isfinite(series.std[there])]
-    return ChartDocument.of(
-        limits,
+    return ChartDocument(
         parameter=series.name,
         unit=series.unit,
         sessions=len(there),
+        centre=centre,
+        spread=spread,
+        lower=centre - WIDTH * spread,
+        upper=centre + WIDTH * spread,
         stated=float(np.median(known)) if len(known) else None,
         outside=outside,
     )
