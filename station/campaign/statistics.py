@@ -20,7 +20,7 @@ MOST_PAIRED = 800
 
 
 def control_limits(values: Array) -> tuple[float, float, NDArray[np.bool_]] | None:
-    """Find centre and spread of values (n,) in the order in which they were made, and which lie more than three spreads away.
+    """Find centre and spread of values (n,) in the order in which they were made, and which are outside three spreads.
 
     None for fewer than five. Centre is the median, spread the median moving range / 0.954: the chart of individuals in its
     robust form (Montgomery, Statistical Quality Control, 6.4), of which a single outlier moves neither. A drift does not

@@ -249,9 +249,10 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
              _cell(one.frequency_percent))
             for one in at.effects
         )  # fmt: skip
+        size, force = amplitude_words(at.amplitude, at.unit), typeset_unit(at.effects[0].force.unit)
         head = (
-            f"at {amplitude_words(at.amplitude, at.unit)},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
-            "of all but\nspring, %", "of the loss\n%", "frequency\nchanged by, %",
+            f"at {size},\nthe {which}", f"largest force\n{force}", "of all but\nspring, %", "of the loss\n%",
+            "frequency\nchanged by, %",
         )  # fmt: skip
         found.append(Table("", head, rows))
     return tuple(found)

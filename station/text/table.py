@@ -52,7 +52,10 @@ class Tables:
 
 
 def make_tables(found: Sequence[tuple[str, Identification]], *, plain: bool = False) -> Tables:
-    """Make both tables of identified sessions, each by its name, which share their units; mu_i in `plain` ones, for JSON, is per unit mass."""
+    """Make both tables of identified sessions, each by its name, which share their units.
+
+    In `plain` ones, for JSON, mu_i is per unit mass.
+    """
     cells = [_cells_of(result, UNKNOWN if plain else result.weighing) for _, result in found]
     units = {key.rpartition(" ")[0]: one.unit for known in cells for key, one in known.items()}
     units |= {"K": units.pop("K")} if units else {}

@@ -26,7 +26,7 @@ def test_an_outlier_is_outside_and_moves_neither_centre_nor_spread():
 
 def test_a_drift_leaves_the_limits_instead_of_widening_them():
     values = np.linspace(0.0, 20.0, 400) + np.random.default_rng(3).standard_normal(400)
-    centre, spread, outside = control_limits(values)
+    _, spread, outside = control_limits(values)
     assert spread == pytest.approx(1.0, rel=0.2)
     assert outside[:50].mean() > 0.9
     assert outside[-50:].mean() > 0.9
