@@ -20,7 +20,8 @@ from station import exits
 
 COMMANDS = (
     "demo", "doctor", "ports", "capture", "guide", "profile", "replay", "import", "identify", "diagnose", "refine",
-    "validate", "compare", "effects", "workbench", "view", "report", "table", "campaign", "export", "list", "info", "verify", "recover",
+    "validate", "compare", "effects", "workbench", "view", "report", "table", "campaign", "export", "list", "info",
+    "verify", "recover",
 )  # fmt: skip
 """Each command, in the order in which a newcomer needs them; the first line of its module says what it does."""
 

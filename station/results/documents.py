@@ -90,7 +90,7 @@ class Errors(Part):
     force_mse_percent: Number = None
     motion_percent: Number = None
     chi2: Number = Field(None, validation_alias="chi_square")
-    chi2_std: Number = Field(None, validation_alias="floor_std")
+    chi2_std: Number = Field(default=None, validation_alias="floor_std")
     horizon_s: Number = None
 
     @property
