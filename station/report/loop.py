@@ -11,7 +11,6 @@ from station.results.diagnosis_pictures import NamedCurves
 from station.story.compared import Compared
 from station.story.engineering_values import Weighing
 from station.story.measured_curves import measured_curves
-from station.story.residual import residual_words
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
 from station.text.content import Equation, Figure, Paragraph, Part, Table, facts, left_out
 from station.text.layout import sentence
@@ -19,9 +18,12 @@ from station.text.numbers import typeset, typeset_unit, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
 from station.views.palette import PAPER, Look
 
-FAR = 4.0
 SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
 
+CAUTION = (
+    "This model leaves {}. The standard errors allow for a slow drift of the motion. A missing force may have moved the "
+    "parameters by more."
+)
 CURVE = (
     "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
     "It has no name: {} in the model file keeps it, and `station validate` tests it on other releases."
@@ -30,7 +32,10 @@ CURVE = (
 
 def comparison(found: Findings) -> tuple[Part, ...]:
     """Say and draw where the current model fails; nothing without one."""
-    return () if found.compared is None else where_it_fails(found.compared)
+    if found.compared is None:
+        return ()
+    headline = comparison_text.told(found.compared).headline
+    return (Paragraph(headline, strong=True), *where_it_fails(found.compared))
 
 
 def where_it_fails(compared: Compared, look: Look = PAPER) -> tuple[Part, ...]:
@@ -157,21 +162,9 @@ def equation(found: Findings) -> list[Part]:
         )
     if len(fit.windows) > 1:
         parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
-    doubt = caution(compared)
-    if doubt:
-        parts.append(Paragraph(doubt, label="Caution", strong=True))
+    if not judged.at_floor:
+        parts.append(Paragraph(CAUTION.format(compared.left), label="Caution", strong=True))
     return parts
-
-
-def caution(compared: Compared) -> str:
-    """Say why the standard errors may be too small, or ""."""
-    error = compared.error
-    if error.chi_square <= 1.0 + FAR * error.floor_std:
-        return ""
-    return (
-        f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
-        "allow for a slow drift of the motion. A missing force may have moved the parameters by more."
-    )
 
 
 def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:

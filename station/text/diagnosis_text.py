@@ -105,20 +105,6 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
 
 
-def confirmed_by(document: DiagnosisDocument) -> str:
-    """Say on how many other releases, or parts of the record, what is named predicts better, and its error; "" if none."""
-    found = document.confirmation
-    if found is None or not document.confirmed:
-        return ""
-    where = "parts of the record, each predicted from the rest" if found.one_record else "other releases"
-    what = "all but the large amplitudes" if found.one_record else "the prediction"
-    before, after = found.usual.motion_percent, found.found.motion_percent
-    return (
-        f"{found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
-        f"{three_figures(after)} % of the motion"
-    )
-
-
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
     """Make the table of the errors of prediction on each part that was left out; none where that was not asked."""
     found = document.confirmation
@@ -183,28 +169,14 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         ("", document.model_remark),
         ("together", ", ".join(document.sessions) if len(document.sessions) > 1 else ""),
         ("used", used(document)),
-        ("modes", other_modes(document)),
-        ("confirmed", confirmed_by(document)),
+        ("other modes", " and ".join(mode["words"] for mode in document.modes)),
     ]
-    shape = document.shape
-    if shape is not None and shape.coordinates:
-        over = " and ".join(shape.coordinates)
-        found.append(
-            ("shape", f"a free-form force over {over} explains {100 * shape.explained:.0f} % of the residual")
-        )
     left = [
         f"{one.session} {'a run that diverges' if one.chi2 is None else residual_words(one.motion_percent, one.chi2)}"
         for one in document.held_out or ()
     ]
     found.append(("left out", f"fitted to the others, the model leaves in {', '.join(left)}" if left else ""))
     return found
-
-
-def other_modes(document: DiagnosisDocument) -> str:
-    """Say which other modes the record shows; "" for none."""
-    if not document.modes:
-        return ""
-    return f"besides the fitted one: {' and '.join(mode['words'] for mode in document.modes)}"
 
 
 def _of_effect(parameter: str) -> str:

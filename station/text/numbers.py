@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import DASH, SPACE, Estimated, quantities, quantity, scaled
+from identify.formatting import DASH, SPACE, Estimated, quantities, quantity, scaled, three_figures
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -64,9 +64,9 @@ def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
 
 
 def amplitude_words(size: float | None, unit: str) -> str:
-    """Write a displacement without its sign, to four figures: "25 mm"."""
+    """Write a displacement without its sign: "25.0 mm"."""
     factor, shown = scale("displacement", unit)
-    return DASH if size is None else f"{abs(size) * factor:.4g} {typeset_unit(shown)}"
+    return DASH if size is None else f"{three_figures(abs(size) * factor)} {typeset_unit(shown)}"
 
 
 def noise_words(channel: str, noise: float, unit: str) -> str:

@@ -25,7 +25,7 @@ def test_noise_is_shown_in_the_unit_that_its_size_asks_for():
 
 
 def test_an_amplitude_has_no_sign_and_is_in_mm():
-    assert amplitude_words(-0.025, "m") == "25 mm"
+    assert amplitude_words(-0.025, "m") == "25.0 mm"
     assert amplitude_words(None, "m") == "-"
 
 
