@@ -55,9 +55,9 @@ def _measured(found: Findings) -> tuple[Part, ...]:
     warning = (Paragraph(found.doubt, label="Warning", strong=True),) if found.doubt else ()
     return warning + facts(
         (
-            ("specimen", info.specimen),
+            ("specimen", info.specimen or NOT_STATED),
             ("test", f"free decay, {'recorded' if info.board else 'imported'} {day}, {seconds:.4g} s{taken}"),
-            ("operator", info.operator),
+            ("operator", info.operator or NOT_STATED),
             ("mass", mass_words(found.weighing)),
             ("sensors", channels),
         )

@@ -87,9 +87,7 @@ def suspects(found: Findings) -> list[Part]:
             f"The missing force in free form; it explains {100 * shape.explained:.0f} % of the residual."
         )
         parts.append(Figure(caption, diagnosis_figures.shape(shape.curves[0], found.weighing)))
-    known = document.suspects[0].confusable_with if document.named and document.suspects else []
-    confused = f"{', '.join(known)}; a record of another kind separates them" if known else ""
-    return [*parts, *words.more[1:], *facts([("easily confused", confused)])]
+    return [*parts, *words.more[1:]]
 
 
 def ladder(found: Findings) -> list[Part]:

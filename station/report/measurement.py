@@ -9,7 +9,7 @@ from station.report.findings import Findings
 from station.report.first_page import NOT_STATED
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.identification_text import alignment_rows, flagged_lines, mass_words, sampling
+from station.text.identification_text import alignment_rows, flagged_lines, sampling
 from station.text.numbers import typeset_unit
 from station.views.identification_figures import record
 from station.views.overlay import alignment as picture_of_lag
@@ -18,20 +18,16 @@ PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
 
 def setup(found: Findings) -> list[Part]:
-    """Say what was tested, by whom, with which sensors and calibrations."""
-    info, recording = found.session.info, found.recording
-    board = info.board
+    """Say from where the record is, how it was sampled, and with which sensors and calibrations."""
+    info, recording, board = found.session.info, found.recording, found.session.info.board
+    sampled = sampling(recording.samples.shape[1], recording.rate, recording.rate_std)
     rows = [
-        ("specimen", info.specimen or NOT_STATED),
-        ("operator", info.operator or NOT_STATED),
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
         ("source", info.source_file or info.source or NOT_STATED),
-        ("mass", mass_words(found.weighing)),
-        ("sampling", sampling(recording.samples.shape[1], recording.rate, recording.rate_std)),
+        ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}" if board else ""),
+        ("sampling", f"{sampled}, {int((~recording.valid).sum())} lost, marked and never filled in"),
         ("remarks", info.remarks),
     ]
-    if board is not None:
-        rows.insert(4, ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}"))
     table = Table(
         "Channels and their calibration",
         ("channel", "quantity", "unit", "sensor", "calibrated", "uncertainty", "resolution", "range"),
@@ -57,11 +53,10 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
 
 
 def capture(found: Findings) -> list[Part]:
-    """Show the record, the verdict on it, and what was lost."""
+    """Show the record, with the verdict on it."""
     result = found.identification
     flags = found.manifest.flags if found.manifest is not None else ()
     rows = [
-        ("lost samples", _lost(found)),
         ("flagged", "; ".join(flagged_lines([flag.model_dump() for flag in flags], found.recording.rate))),
         ("how it was read", "; ".join(found.recording.notes)),
     ]
@@ -89,15 +84,6 @@ def _verdict(found: Findings) -> Paragraph:
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
     return Paragraph(text, label="Verdict on the recording", strong=True)
-
-
-def _lost(found: Findings) -> str:
-    lost = int((~found.recording.valid).sum())
-    if not lost:
-        return "none"
-    gaps = found.recording.gaps
-    longest = max((gap.count for gap in gaps), default=lost)
-    return f"{lost}, marked and never filled in; the longest gap {longest} samples"
 
 
 def alignment(found: Findings) -> list[Part]:
