@@ -88,7 +88,7 @@ def argument(**said: Any) -> Any:
 def existing(
     what: str = "session or data file", *, or_all: bool = False
 ) -> Callable[[click.Context, click.Parameter, Given], Given]:
-    """Make what refuses at once an argument that is not there and no session's name where the settings say.
+    """Make what finds the session or file that an argument means, and refuses at once what is not there.
 
     `what` it may be is said in the refusal; with `or_all` the settings' folder of sessions passes, there or not.
     """
@@ -96,11 +96,12 @@ def existing(
     def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
         from station.results.session_names import session_folder
 
-        sessions = load_settings(context.obj).sessions
-        for name in (value,) if isinstance(value, str) else value:
-            if not (or_all and name == str(sessions)):
-                session_folder(name, sessions, what)
-        return value
+        root = load_settings(context.obj).sessions
+
+        def found(name: str) -> str:
+            return name if or_all and name == str(root) else str(session_folder(name, root, what))
+
+        return found(value) if isinstance(value, str) else tuple(map(found, value))
 
     return check
 
