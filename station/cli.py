@@ -111,9 +111,7 @@ def run(arguments: list[str]) -> int:
         result: Any = station.main(args=arguments, prog_name="station", standalone_mode=False)
         sys.stdout.flush()
         return result if isinstance(result, int) else exits.DONE
-    except click.exceptions.Exit as leaving:
-        return int(leaving.exit_code)
-    except click.exceptions.Abort as error:
+    except (click.exceptions.Abort, KeyboardInterrupt) as error:
         cause = error.__cause__ or error
         return _failed(cause, exits.INTERRUPTED, _interrupted(cause), arguments)
     except click.ClickException as error:
@@ -121,8 +119,6 @@ def run(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader of a pipe has left, as `head` does
         sys.stderr.close()
         return exits.DONE
-    except KeyboardInterrupt as error:
-        return _failed(error, exits.INTERRUPTED, _interrupted(error), arguments)
     except Exception as error:
         return _failed(error, exits.code_of(error), _kept(error), arguments)
 
