@@ -97,20 +97,14 @@ def methods_table(result: Identification, *, full: bool = False) -> Table:
     `full` adds the mean square that each leaves of what it fits, its envelope or its force, which no other residual is.
     """
     both = (result.wavelet, result.restoring_force)
-    rows = [_row("stiffness K", [None if method is None else method.stiffness for method in both])]
-    most = max((len(method.damping) for method in both if method is not None), default=0)
-    for order in range(most):
-        values = [
-            method.damping[order] if method is not None and order < len(method.damping) else None
-            for method in both
-        ]
-        weighed = [result.weighing.strength(value) for value in values]
-        rows.append(_row(typeset(damping_name(order)), weighed))
-    highest = {order for method in both if method is not None for order in method.stiffness_by_order}
-    for order in sorted(highest - {1}):
-        values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
-        if any(value is not None and abs(value.value) > 2 * value.std for value in values):
-            rows.append(_row(f"stiffness of order {order}", values))
+    found = [{} if method is None else method.parameters for method in both]
+    rows = []
+    for name in dict.fromkeys(name for values in found for name in values):
+        values = [one.get(name) for one in found]
+        if name.startswith("stiffness of") and not any(v and abs(v.value) > 2 * v.std for v in values):
+            continue
+        weighed = values if "stiffness" in name else [result.weighing.strength(value) for value in values]
+        rows.append(_row(typeset(name), weighed))
     force = result.restoring_force
     if force is not None and force.mass is not None:
         rows.append(_row("mass, by the force", [None, force.mass]))
