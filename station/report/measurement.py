@@ -106,11 +106,9 @@ def provenance(found: Findings) -> list[Part]:
     else:
         files = sorted(found.manifest.files.items())
         table = tuple(
-            (name, str(file.size), file.sha256) for name, file in files if not name.endswith(".html")
+            (name, file.sha256, str(file.size)) for name, file in files if not name.endswith(".html")
         )
-        parts.append(
-            Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
-        )
+        parts.append(Table("Files of the session (SHA-256)", ("file", "checksum", "bytes"), table, texts=2))
         as_it_came = "raw.log holds every byte as it came; all results can be made again from it."
         parts.append(Paragraph(found.doubt or as_it_came))
     return parts
