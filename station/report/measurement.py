@@ -1,4 +1,4 @@
-"""The sections on the record: set-up with calibration, capture with verdict, alignment, and the software that was used."""
+"""The sections on the record: set-up with calibration and verdict, alignment, and the software that was used."""
 
 import platform
 from datetime import UTC
@@ -18,14 +18,18 @@ PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
 
 def setup(found: Findings) -> list[Part]:
-    """Say from where the record is, how it was sampled, and with which sensors and calibrations."""
+    """Show the record: the verdict on it, from where it is, how it was sampled, with which sensors and calibrations."""
     info, recording, board = found.session.info, found.recording, found.session.info.board
+    result = found.identification
+    flags = found.manifest.flags if found.manifest is not None else ()
     sampled = sampling(recording.samples.shape[1], recording.rate, recording.rate_std)
     rows = [
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
         ("source", info.source_file or info.source or NOT_STATED),
         ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}" if board else ""),
         ("sampling", f"{sampled}, {int((~recording.valid).sum())} lost, marked and never filled in"),
+        ("flagged", "; ".join(flagged_lines([flag.model_dump() for flag in flags], recording.rate))),
+        ("how it was read", "; ".join(recording.notes)),
         ("remarks", info.remarks),
     ]
     table = Table(
@@ -34,7 +38,15 @@ def setup(found: Findings) -> list[Part]:
         tuple(_channel(found, channel) for channel in recording.channels),
         texts=5,
     )
-    return [*facts(rows), table]
+    parts: list[Part] = [_verdict(found), *facts(rows), table]
+    if result is None:
+        reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
+        parts.append(Paragraph(reason, strong=True))
+    time = None if result is None or result.decay.driven else result.release.time_s
+    caption = "The record." if time is None else "The record; dashed: the release."
+    shaded = " Flagged samples are shaded." if flags else ""
+    figure = record(recording, time, flags)
+    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
 
 
 def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
@@ -50,26 +62,6 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
         "–" if channel.resolution is None else three_figures(channel.resolution),
         "–" if low is None or high is None else f"{low:.4g} to {high:.4g}",
     )
-
-
-def capture(found: Findings) -> list[Part]:
-    """Show the record, with the verdict on it."""
-    result = found.identification
-    flags = found.manifest.flags if found.manifest is not None else ()
-    rows = [
-        ("flagged", "; ".join(flagged_lines([flag.model_dump() for flag in flags], found.recording.rate))),
-        ("how it was read", "; ".join(found.recording.notes)),
-    ]
-    parts: list[Part] = [_verdict(found), *facts(rows)]
-    if result is None:
-        reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
-        parts.append(Paragraph(reason, strong=True))
-    free = result is not None and not result.decay.driven
-    caption = "The record; dashed: the release." if free else "The record."
-    time = result.release.time_s if free and result is not None else None
-    shaded = " Flagged samples are shaded." if flags else ""
-    figure = record(found.recording, time, flags)
-    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
 
 
 def _ended(reason: str) -> str:

@@ -18,7 +18,7 @@ from station.text.numbers import typeset_unit
 MASS = 21.36
 HOSTILE = '<script>alert("x")</script>'
 NAMES = (
-    "comparison", "suspects", "ladder", "equation", "setup", "capture", "alignment", "methods", "provenance",
+    "comparison", "suspects", "ladder", "equation", "setup", "alignment", "methods", "provenance",
 )  # fmt: skip
 
 
@@ -213,7 +213,7 @@ def test_a_record_of_nothing_says_so_and_still_shows_the_record(folder, capsys):
     told = json.loads(capsys.readouterr().out)
     assert {"identification", "comparison"} <= set(told["left_out"])
     page = Page((folder / "sessions" / "quiet" / "results" / "report.html").read_text(encoding="utf-8"))
-    assert "Nothing can be identified" in page.sections["capture"]
+    assert "Nothing can be identified" in page.sections["setup"]
     assert any(tag == "img" for tag, _ in page.tags)
 
 
