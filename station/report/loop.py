@@ -16,6 +16,7 @@ from station.text.content import Equation, Figure, Paragraph, Part, Table, facts
 from station.text.layout import sentence
 from station.text.numbers import typeset, typeset_unit, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
+from station.views.overlay import alignment as picture_of_lag
 from station.views.palette import PAPER, Look
 
 SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
@@ -202,6 +203,9 @@ def methods(found: Findings) -> list[Part]:
         return []
     words = identification_text.told("This release", result, full=True)
     parts = [Paragraph(words.headline, strong=True), *words.brief]
+    if (lag := picture_of_lag(result)) is not None:
+        caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
+        parts.append(Figure(caption, lag))
     if result.wavelet is None and result.restoring_force is None:
         return parts
     force, length = result.restoring_force, result.decay.unit

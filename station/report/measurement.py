@@ -1,4 +1,4 @@
-"""The sections on the record: set-up with calibration and verdict, alignment, and the software that was used."""
+"""The sections on the record: set-up with calibration and verdict, and the software that was used."""
 
 import platform
 from datetime import UTC
@@ -9,10 +9,9 @@ from station.report.findings import Findings
 from station.report.first_page import NOT_STATED
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.identification_text import alignment_rows, flagged_lines, sampling
+from station.text.identification_text import flagged_lines, sampling
 from station.text.numbers import typeset_unit
 from station.views.identification_figures import record
-from station.views.overlay import alignment as picture_of_lag
 
 PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
@@ -40,8 +39,8 @@ def setup(found: Findings) -> list[Part]:
     )
     parts: list[Part] = [_verdict(found), *facts(rows), table]
     if result is None:
-        reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
-        parts.append(Paragraph(reason, strong=True))
+        reason = found.left_out["identification"].rstrip(".")
+        parts.append(Paragraph(f"Nothing can be identified in this record: {reason}.", strong=True))
     time = None if result is None or result.decay.driven else result.release.time_s
     caption = "The record." if time is None else "The record; dashed: the release."
     shaded = " Flagged samples are shaded." if flags else ""
@@ -64,10 +63,6 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
     )
 
 
-def _ended(reason: str) -> str:
-    return f"{reason.rstrip('.')}."
-
-
 def _verdict(found: Findings) -> Paragraph:
     verdict = found.verdict
     if verdict is None:
@@ -76,16 +71,6 @@ def _verdict(found: Findings) -> Paragraph:
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
     return Paragraph(text, label="Verdict on the recording", strong=True)
-
-
-def alignment(found: Findings) -> list[Part]:
-    """State the lag between the channels, and the error that it would have caused."""
-    result = found.identification
-    if result is None or result.alignment is None:
-        return [Paragraph(f"The channels were not aligned: {_ended(found.left_out['alignment'])}")]
-    picture = picture_of_lag(result)
-    caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
-    return [*facts(alignment_rows(result)), *([] if picture is None else [Figure(caption, picture)])]
 
 
 def provenance(found: Findings) -> list[Part]:

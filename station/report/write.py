@@ -13,7 +13,7 @@ from station.output import asked_for_json, progress as say, screen
 from station.report.findings import Findings, gather
 from station.report.first_page import first_page
 from station.report.loop import comparison, equation, ladder, methods, suspects
-from station.report.measurement import alignment, provenance, setup
+from station.report.measurement import provenance, setup
 from station.results.guide_document import NAME as GUIDE, GuideDocument
 from station.safe_text import SafeConsole
 from station.settings import Settings
@@ -30,8 +30,7 @@ SECTIONS = (
     ("ladder", "The ladder: the residual, step by step", ladder),
     ("equation", "The equation of motion", equation),
     ("setup", "Set-up, calibration, and verdict on the recording", setup),
-    ("alignment", "Alignment of the channels", alignment),
-    ("methods", "Appendix: identification by two methods", methods),
+    ("methods", "Appendix: alignment of the channels, and identification by two methods", methods),
     ("provenance", "Software and checksums", provenance),
 )
 """The anchor of each, its title, and what makes its parts: none where it is left out."""

@@ -18,7 +18,7 @@ from station.text.numbers import typeset_unit
 MASS = 21.36
 HOSTILE = '<script>alert("x")</script>'
 NAMES = (
-    "comparison", "suspects", "ladder", "equation", "setup", "alignment", "methods", "provenance",
+    "comparison", "suspects", "ladder", "equation", "setup", "methods", "provenance",
 )  # fmt: skip
 
 
