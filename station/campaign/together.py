@@ -3,6 +3,7 @@
 import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +27,6 @@ from station.results.campaign_document import (
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.text import campaign_text as table
-from station.text.numbers import or_nan
 
 AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
@@ -107,9 +107,9 @@ def parameter_series(rows: list[CampaignRow]) -> list[Series]:
     for place, row in enumerate(rows):
         for name, estimate in row.result.parameters.items():
             series = found.setdefault((name, estimate.unit), _unknown(name, estimate.unit, len(rows)))
-            series.values[place], series.std[place] = or_nan(estimate.value), or_nan(estimate.std)
+            series.values[place], series.std[place] = estimate.value, estimate.std
     misfit = _unknown(MISFIT, "%", len(rows))
-    misfit.values[:] = [or_nan(row.result.motion_percent) for row in rows]
+    misfit.values[:] = [row.result.motion_percent for row in rows]
     return [*found.values(), *([misfit] if np.isfinite(misfit.values).any() else [])]
 
 
@@ -119,17 +119,16 @@ def _unknown(name: str, unit: str, count: int) -> Series:
 
 def variables(rows: list[CampaignRow]) -> list[Series]:
     """List what parameters may depend on: amplitude, date and every number that is known of the tests."""
-    found = []
+    found: list[tuple[str, str, Sequence[float | None]]] = []
     for unit in dict.fromkeys(row.result.unit for row in rows):
-        values = [or_nan(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
+        values = [row.result.amplitude if row.result.unit == unit else None for row in rows]
         found.append((AMPLITUDE, unit, values))
-    dates = [row.made.timestamp() / DAY for row in rows]
-    found.append((DATE, "day", dates))
+    found.append((DATE, "day", [row.made.timestamp() / DAY for row in rows]))
     for key in dict.fromkeys(key for row in rows for key in row.conditions):
         parts = NAME_AND_UNIT.fullmatch(key)
         name, unit = parts.groups() if parts else (key, "unit")
-        found.append((name, unit, [row.conditions.get(key, math.nan) for row in rows]))
-    return [Series(name, unit, np.array(values), np.zeros(0)) for name, unit, values in found]
+        found.append((name, unit, [row.conditions.get(key) for row in rows]))
+    return [Series(name, unit, np.array(values, dtype=float), np.zeros(0)) for name, unit, values in found]
 
 
 def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:

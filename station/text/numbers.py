@@ -11,11 +11,6 @@ _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def or_nan(value: float | None) -> float:
-    """Write nan where a number is not known."""
-    return math.nan if value is None else value
-
-
 def with_unit(found: Estimated) -> str:
     """Write "13115.0 ± 2.1 N/m²", or "0 N (error unknown)"; the value alone where it is exact."""
     return typeset(quantity(found))
@@ -93,15 +88,10 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
 def typeset(text: str) -> str:
     """Return a sentence with raised powers, Greek letters and the signs that a terminal has no letters for."""
     raised = re.sub(r"\^(-?\d+)", lambda found: found.group(1).translate(_RAISED), text)
-    greek = re.sub(r"\bmu_(\d)\b", lambda found: f"μ{lowered(int(found.group(1)))}", raised)
+    greek = re.sub(r"\bmu_(\d)\b", lambda found: f"μ{found.group(1).translate(_LOWERED)}", raised)
     return re.sub(r"\bu(m|s|J|N|V|rad)\b", r"µ\1", greek).replace("+-", "±")
 
 
 def typeset_unit(text: str) -> str:
     """Return a unit with raised powers: m/s^2 becomes m/s²; "1" (a pure number) becomes nothing."""
     return "" if text == "1" else typeset(text).replace(" ", SPACE)
-
-
-def lowered(number: int) -> str:
-    """Return a number as an index."""
-    return str(number).translate(_LOWERED)
