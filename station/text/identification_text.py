@@ -81,16 +81,6 @@ def lag_words(result: Identification) -> str:
     return f"displacement {late} by {lag} µs, corrected; gain of the acceleration against it {gain}{caution}"
 
 
-def alignment_rows(result: Identification) -> list[tuple[str, str]]:
-    """Say how the channels lie against each other, how that was found, and what it would have spoiled."""
-    found = result.alignment
-    return [
-        ("lag", sentence(lag_words(result))),
-        ("method", "" if found is None else f"{found.method}; no law of force is used"),
-        ("without it", uncorrected(result)),
-    ]
-
-
 def methods_table(result: Identification, *, full: bool = False) -> Table:
     """Put both methods side by side: each parameter with its error, and by how many joint standard errors they differ.
 

@@ -7,7 +7,8 @@ import rerun.blueprint as rrb
 from identify.arrays import Array
 from station.story.identification import Identification
 from station.text.content import facts, markdown
-from station.text.identification_text import alignment_rows, told
+from station.text.identification_text import lag_words, told, uncorrected
+from station.text.layout import sentence
 from station.text.numbers import scale
 from station.views import identification_figures as figures, log, palette
 from station.views.overlay import alignment as picture_of_lag, overlay
@@ -49,7 +50,7 @@ def _states(stream: rr.RecordingStream, result: Identification) -> rrb.View:
 
 def alignment(stream: rr.RecordingStream, look: Look, name: str, result: Identification) -> rrb.Container:
     """Show the channels over each other before and after, and what the lag would have spoiled."""
-    words = markdown(facts(alignment_rows(result)))
+    words = markdown(facts([("lag", sentence(lag_words(result))), ("without it", uncorrected(result))]))
     views = [log.markdown(stream, "Lag", "/alignment/text", words)]
     shown = overlay(result)
     if shown is None:
