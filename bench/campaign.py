@@ -53,8 +53,8 @@ def _make(folder: Path, count: int) -> None:
 
 def _alone(folder: Path, count: int) -> float:
     """Return seconds of one session in this process, where everything is compiled already."""
-    from station.campaign.sources import find_sources, work_on
-    from station.campaign.work import perform
+    from station.campaign.sources import find_sources
+    from station.campaign.work import perform, work_on
     from station.settings import Settings
 
     sources = find_sources((str(folder),), Settings())[:count]

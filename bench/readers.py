@@ -221,13 +221,14 @@ def _diagnosis() -> bytes:
 
 
 def _ladder() -> bytes:
-    error = {"force_mse_percent": 0.1, "motion_percent": 0.2, "chi2": 1.0}
+    error = {"force_mse_percent": 0.1, "motion_percent": 0.2, "chi2": 1.0, "chi2_std": 0.1}
     step = {
         "added": "",
         "removed": "",
         "model": MODEL,
         "error": error,
-        "chi2_std": 0.1,
+        "floor_percent": 0.2,
+        "at_floor": False,
         "nuisances": {"x": 1.0},
     }
     ladder = {

@@ -21,7 +21,7 @@ _LARGE, _SMALL = 1e5, 1e-3
 EXPLAINS_NOTHING, _ALL = 0.005, 0.9995
 """Shares below which nothing is explained, and from which on more digits would be noise."""
 
-_PREFIXED = "NJm"
+_PREFIXED = "NJmrV"
 """First letters of units that can take a prefix."""
 
 

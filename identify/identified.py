@@ -34,14 +34,18 @@ class Identified(Summarised):
         return next(iter(self.stiffness_by_order.values()))
 
     @property
-    def rows(self) -> list[tuple[str, str]]:
-        """Name and value of each stiffness and damping coefficient by its order."""
+    def parameters(self) -> dict[str, Estimate]:
+        """Each stiffness and damping coefficient, by its name with its order."""
         found = {
             "stiffness K" if order == 1 else f"stiffness of order {order}": value
             for order, value in self.stiffness_by_order.items()
         }
-        found |= {damping_name(order): value for order, value in enumerate(self.damping)}
-        return [(name, quantity(value)) for name, value in found.items()]
+        return found | {damping_name(order): value for order, value in enumerate(self.damping)}
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """Name and value of each."""
+        return [(name, quantity(value)) for name, value in self.parameters.items()]
 
 
 def estimate(decay: FreeDecay, value: float, std: float, unit: str) -> Estimate:

@@ -1,7 +1,7 @@
 """The command line: it parses, calls one command and turns what went wrong into a sentence.
 
 A command is one file in `station/commands/`, imported only when it is called, so that `station --help`
-answers at once. To add a command: write the file, add a line to COMMANDS.
+answers at once. To add a command: write the file, add its name to COMMANDS.
 """
 
 import gc
@@ -11,39 +11,19 @@ import re
 import sys
 import traceback
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import Any
 
 import click
 
 from station import exits
 
-COMMANDS = {
-    "demo": "Run the whole job on a simulated board.",
-    "doctor": "Check computer, port and board before a capture.",
-    "ports": "List the ports on which a board may be.",
-    "capture": "Record one release from a board, then identify it.",
-    "guide": "Say what to release next, until it is sure what is missing.",
-    "profile": "Describe a board that prints numbers line by line.",
-    "replay": "Send a session's raw bytes through the decoder again.",
-    "import": "Turn a file of another board into sessions.",
-    "identify": "Find stiffness, friction and damping in a session.",
-    "diagnose": "Find out which effect a model lacks.",
-    "refine": "Add an effect and watch the error fall.",
-    "validate": "Say how well a model predicts other sessions.",
-    "compare": "Say by how much a model fails on a session, and where.",
-    "effects": "List the effects a model may lack, or describe one.",
-    "workbench": "Open the page on which all of this is done by mouse.",
-    "view": "Open a session in the Rerun viewer.",
-    "report": "Write all that is known of a session into one page.",
-    "table": "Print the paper's tables for any number of sessions.",
-    "campaign": "Identify hundreds of sessions; trends, control limits.",
-    "export": "Write a session's channels for another program.",
-    "list": "List the sessions in a folder.",
-    "info": "Show what a session holds.",
-    "verify": "Check a session's files against its manifest.",
-    "recover": "Seal a session that was cut off in mid-capture.",
-}
-"""Each command, in the order in which a newcomer needs them, with a line of help."""
+COMMANDS = (
+    "demo", "doctor", "ports", "capture", "guide", "profile", "replay", "import", "identify", "diagnose", "refine",
+    "validate", "compare", "effects", "workbench", "view", "report", "table", "campaign", "export", "list", "info",
+    "verify", "recover",
+)  # fmt: skip
+"""Each command, in the order in which a newcomer needs them; the first line of its module says what it does."""
 
 MODULES = {"import": "import_", "list": "list_"}
 """The modules of `station.commands` that are not called as their commands, whose names Python has taken."""
@@ -80,7 +60,14 @@ class LazyGroup(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands without importing any of them."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+            formatter.write_dl([(name, _help_of(name)) for name in COMMANDS])
+
+
+def _help_of(name: str) -> str:
+    """Return what a command does, from the first line of its module, which is not imported for that."""
+    module = files("station.commands").joinpath(f"{MODULES.get(name, name)}.py")
+    words = module.read_text(encoding="utf-8").splitlines()[0].partition("`: ")[2].strip('"')
+    return f"{words[:1].upper()}{words[1:]}"
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80})
@@ -124,9 +111,7 @@ def run(arguments: list[str]) -> int:
         result: Any = station.main(args=arguments, prog_name="station", standalone_mode=False)
         sys.stdout.flush()
         return result if isinstance(result, int) else exits.DONE
-    except click.exceptions.Exit as leaving:
-        return int(leaving.exit_code)
-    except click.exceptions.Abort as error:
+    except (click.exceptions.Abort, KeyboardInterrupt) as error:
         cause = error.__cause__ or error
         return _failed(cause, exits.INTERRUPTED, _interrupted(cause), arguments)
     except click.ClickException as error:
@@ -134,8 +119,6 @@ def run(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader of a pipe has left, as `head` does
         sys.stderr.close()
         return exits.DONE
-    except KeyboardInterrupt as error:
-        return _failed(error, exits.INTERRUPTED, _interrupted(error), arguments)
     except Exception as error:
         return _failed(error, exits.code_of(error), _kept(error), arguments)
 

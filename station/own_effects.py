@@ -7,25 +7,19 @@ from pathlib import Path
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from station.exits import UsageProblem
+from station.suggestions import read_named
 
 _EXAMPLE = 'EFFECTS = (own_effect("magnet", "a*u/(1 + (u/b)**2)"),)'
 
 
 def whole_library(file: Path | None) -> tuple[Effect, ...]:
     """Return the library with the user's own effects from a Python file after it."""
-    known = {effect.name for effect in LIBRARY}
-    own = () if file is None else load_effects(file)
-    if taken := next((effect.name for effect in own if effect.name in known), None):
-        raise UsageProblem(f"{file}: {taken} is in the library already; choose another name")
-    return (*LIBRARY, *own)
+    return LIBRARY if file is None else (*LIBRARY, *load_effects(file))
 
 
 def load_effects(path: Path) -> tuple[Effect, ...]:
     """Run a Python file and return the effects in its `EFFECTS`; UsageProblem, with the line, where it has none."""
-    try:
-        path.read_bytes()
-    except OSError as error:
-        raise UsageProblem(f"the effects {path} cannot be read: {error.strerror or error}") from error
+    read_named(path, "the effects")
     try:
         found = runpy.run_path(str(path)).get("EFFECTS")
     except (Exception, SystemExit) as error:
@@ -34,14 +28,14 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
         found = (found,)
     if not isinstance(found, tuple | list) or not found:
         raise UsageProblem(f"{path}: it defines no effects; a line such as {_EXAMPLE} is missing")
-    names: list[str] = []
+    names = [effect.name for effect in LIBRARY]
     for i, effect in enumerate(found, start=1):
         if not isinstance(effect, Effect):
             raise UsageProblem(
                 f"{path}: entry {i} of EFFECTS is {type(effect).__name__}; give own_effect(...)"
             )
         if effect.name in names:
-            raise UsageProblem(f"{path}: two effects are called {effect.name}; rename one")
+            raise UsageProblem(f"{path}: another effect is called {effect.name} too; rename this one")
         names.append(effect.name)
     return tuple(found)
 

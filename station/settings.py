@@ -9,11 +9,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from daq.port_names import fault_of
 from station.exits import UsageProblem
-from station.validation_words import refusal
+from station.suggestions import LONGEST, read_named, refusal
 
 DEFAULT_FILE = Path("station.toml")
-LARGEST = 1 << 20
-LONGEST = 200
 
 
 def _port(name: str) -> str:
@@ -70,13 +68,7 @@ def load_settings(file: str | Path | None) -> Settings:
     if file is None and not path.is_file():
         return Settings()
     try:
-        with path.open("rb") as stream:
-            text = stream.read(LARGEST + 1)
-        if len(text) > LARGEST:
-            raise UsageProblem(f"the settings {path} are larger than 1 MB; name another file")
-        content = tomllib.loads(text.decode())
-    except OSError as error:
-        raise UsageProblem(f"the settings {path} cannot be read: {error.strerror or error}") from error
+        content = tomllib.loads(read_named(path, "the settings").decode())
     except ValueError as error:  # not TOML, not UTF-8, or a number of thousands of digits
         raise UsageProblem(f"the settings {path} are not TOML: {str(error)[:LONGEST]}") from error
     except RecursionError as error:

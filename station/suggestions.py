@@ -1,9 +1,13 @@
-"""Suggestions for a mistyped word."""
+"""What is said of a mistyped word, a value that a library refuses, or a file that cannot be read, to who gave it."""
 
 import difflib
 import re
 from collections.abc import Iterable
 from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
 
 from station.exits import UsageProblem
 
@@ -13,6 +17,8 @@ MEASURED_CURVE = "measured_curve"
 _CLOSE = 0.5
 _MOST = 3
 _SHORTEST = 4
+LONGEST = 200
+LARGEST = 1 << 20
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -37,3 +43,43 @@ def effect_names() -> tuple[str, ...]:
         if file.name.endswith(".py") and file.name != "families.py":
             found += re.findall(r'^    name="(\w+)",$', file.read_text(encoding="utf-8"), re.MULTILINE)
     return tuple(sorted(found))
+
+
+def read_named(path: Path, what: str, most: int = LARGEST) -> bytes:
+    """Return what is in a file that the operator named; UsageProblem, which says `what` it is, where it cannot be read.
+
+    So is one of more than `most` bytes.
+    """
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(most + 1)
+    except OSError as error:
+        raise UsageProblem(f"{what} {path} cannot be read: {error.strerror or error}") from error
+    if len(content) > most:
+        raise UsageProblem(f"{what} {path}: larger than {most >> 20} MB; name another file")
+    return content
+
+
+def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
+    """Find where a document or a setting is wrong and how: "specimen.mass_kg must be greater than 0 (it is -3)"."""
+    first = error.errors(include_url=False)[0]
+    entry = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        return one_line(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
+    words = re.sub(r"^\w+ should", "must", str(first["msg"]))
+    words = re.split(r", unable to | or instance of ", words)[0].replace("be a valid", "be a")
+    words = words.replace("Field required", "is missing")
+    given = first.get("input")
+    if words.startswith("must be") and isinstance(given, int | float | str):
+        words += f" (it is {_plain(given)})"
+    return one_line(f"{entry} {words}".strip())
+
+
+def _plain(value: Any) -> Any:
+    return f"{value:g}" if isinstance(value, float) else value
+
+
+def one_line(text: str) -> str:
+    """Write a text in one line that fits a message, however much of a file it quotes."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from station.exits import UsageProblem
+from station.suggestions import read_named
 
 LARGEST = 50 << 20
 SESSION, FILE, DATE = "session", "file", "date"
@@ -27,13 +28,7 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
     The table is comma separated, or by semicolons or tabs, with a header; one column is `session` or `file`, another may be
     `date` (as 2026-03-01 or 2026-03-01T14:30), the others are numbers. Raises UsageProblem when it is none of this.
     """
-    try:
-        content = file.read_bytes()
-    except OSError as error:
-        raise UsageProblem(f"the metadata {file} cannot be read: {error.strerror or error}") from error
-    if len(content) > LARGEST:
-        raise UsageProblem(f"the metadata {file} are too large for a table of sessions")
-    text = content.decode("utf-8-sig", errors="replace")
+    text = read_named(file, "the metadata", LARGEST).decode("utf-8-sig", errors="replace")
     first = text.partition("\n")[0]
     table = csv.DictReader(io.StringIO(text), delimiter=max(";\t,", key=first.count), skipinitialspace=True)
     try:

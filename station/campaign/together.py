@@ -3,6 +3,7 @@
 import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,10 +12,9 @@ import numpy as np
 from daq.session import SessionSummary
 from daq.storage import write_whole
 from identify.arrays import Array
-from station.campaign.control_limits import control_limits
 from station.campaign.metadata import Known
 from station.campaign.run import Run, Watch, run_campaign
-from station.campaign.trend import find_trend, sure_ones
+from station.campaign.statistics import WIDTH, control_limits, find_trend, sure_ones
 from station.results.campaign_document import (
     NAME,
     CampaignDocument,
@@ -27,7 +27,6 @@ from station.results.campaign_document import (
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.text import campaign_text as table
-from station.text.numbers import or_nan
 
 AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
@@ -67,12 +66,9 @@ def campaign(
 def campaign_document(
     folder: Path, diagnosed: bool, run: Run, metadata: dict[str, Known] | None = None
 ) -> CampaignDocument:
-    """Put the findings of a run together; `metadata` are the operator's by the sessions' names and come before theirs."""
+    """Put the findings of a run together; `metadata` are the operator's by `names_known` and come before the sessions'."""
     rows = sorted(
-        (
-            _row(source, result, (metadata or {}).get(source.folder.name, Known()))
-            for source, result in run.results
-        ),
+        (_row(source, result, metadata or {}) for source, result in run.results),
         key=lambda row: (row.made.timestamp(), row.result.session),
     )
     parameters = parameter_series(rows)
@@ -92,8 +88,14 @@ def campaign_document(
     )
 
 
-def _row(source: SessionSummary, result: SessionResult, known: Known) -> CampaignRow:
+def names_known(source: SessionSummary) -> tuple[str, ...]:
+    """Return the names under which the operator's table may have a session: its own, and that of its file."""
+    return source.folder.name, source.info.source_file if source.info else ""
+
+
+def _row(source: SessionSummary, result: SessionResult, metadata: dict[str, Known]) -> CampaignRow:
     assert source.info is not None  # it has a result
+    known = next((metadata[name] for name in names_known(source) if name in metadata), Known())
     mass = {} if source.info.mass_kg is None else {"mass [kg]": source.info.mass_kg}
     conditions = mass | source.info.conditions | known.conditions
     return CampaignRow(made=known.date or source.info.created, conditions=conditions, result=result)
@@ -105,9 +107,9 @@ def parameter_series(rows: list[CampaignRow]) -> list[Series]:
     for place, row in enumerate(rows):
         for name, estimate in row.result.parameters.items():
             series = found.setdefault((name, estimate.unit), _unknown(name, estimate.unit, len(rows)))
-            series.values[place], series.std[place] = or_nan(estimate.value), or_nan(estimate.std)
+            series.values[place], series.std[place] = estimate.value, estimate.std
     misfit = _unknown(MISFIT, "%", len(rows))
-    misfit.values[:] = [or_nan(row.result.motion_percent) for row in rows]
+    misfit.values[:] = [row.result.motion_percent for row in rows]
     return [*found.values(), *([misfit] if np.isfinite(misfit.values).any() else [])]
 
 
@@ -117,17 +119,16 @@ def _unknown(name: str, unit: str, count: int) -> Series:
 
 def variables(rows: list[CampaignRow]) -> list[Series]:
     """List what parameters may depend on: amplitude, date and every number that is known of the tests."""
-    found = []
+    found: list[tuple[str, str, Sequence[float | None]]] = []
     for unit in dict.fromkeys(row.result.unit for row in rows):
-        values = [or_nan(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
+        values = [row.result.amplitude if row.result.unit == unit else None for row in rows]
         found.append((AMPLITUDE, unit, values))
-    dates = [row.made.timestamp() / DAY for row in rows]
-    found.append((DATE, "day", dates))
+    found.append((DATE, "day", [row.made.timestamp() / DAY for row in rows]))
     for key in dict.fromkeys(key for row in rows for key in row.conditions):
         parts = NAME_AND_UNIT.fullmatch(key)
         name, unit = parts.groups() if parts else (key, "unit")
-        found.append((name, unit, [row.conditions.get(key, math.nan) for row in rows]))
-    return [Series(name, unit, np.array(values), np.zeros(0)) for name, unit, values in found]
+        found.append((name, unit, [row.conditions.get(key) for row in rows]))
+    return [Series(name, unit, np.array(values, dtype=float), np.zeros(0)) for name, unit, values in found]
 
 
 def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
@@ -135,22 +136,25 @@ def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
     found = control_limits(series.values[there])
     if found is None:
         return None
-    limits, is_outside = found
+    centre, spread, is_outside = found
     outside = [
         OutsideDocument(
             session=rows[i].result.session,
             value=float(series.values[i]),
             std=float(series.std[i]),
-            sigmas=float((series.values[i] - limits.centre) / limits.spread) if limits.spread else math.inf,
+            sigmas=float((series.values[i] - centre) / spread) if spread else math.inf,
         )
         for i in there[is_outside]
     ]
     known = series.std[there][np.isfinite(series.std[there])]
-    return ChartDocument.of(
-        limits,
+    return ChartDocument(
         parameter=series.name,
         unit=series.unit,
         sessions=len(there),
+        centre=centre,
+        spread=spread,
+        lower=centre - WIDTH * spread,
+        upper=centre + WIDTH * spread,
         stated=float(np.median(known)) if len(known) else None,
         outside=outside,
     )

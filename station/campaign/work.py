@@ -1,12 +1,17 @@
-"""The analysis of one session of a campaign."""
+"""The analysis of one session of a campaign, and a key of all that its result depends on."""
 
+import hashlib
+import json
 import time
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from daq.errors import StationError
 from daq.session import Session
+from daq.session_info import State
+from daq.session_reading import RAW
+from daq.storage import read_regular
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.model_error import errors_of
@@ -15,9 +20,12 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.campaign_document import SessionResult
 from station.results.documents import picked
-from station.results.identification_document import amplitude
+from station.settings import Settings, version_of
 from station.story.pipeline import Identification, identify
-from station.story.preparation import Options, locate, prepare_recording
+from station.story.preparation import Options, locate, options_for, prepare_recording
+
+LARGEST = 1 << 30
+DISTRIBUTION = "free-decay-station"
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,28 @@ class Work:
     key: str
     options: Options
     diagnose: bool = False
+
+
+def work_on(folder: Path, settings: Settings, diagnose: bool) -> Work:
+    """Make the work on a session; StationError when its files cannot be read, or are still written.
+
+    The key is a checksum of all that the result depends on: readings, calibrations, options, the
+    program. What else the metadata say is read afresh for every table.
+    """
+    session = Session.open(folder)
+    if session.info.state is State.RECORDING:
+        raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
+    options = options_for(session, settings)
+    dependent = {
+        "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
+        "rate_std_hz": session.info.rate_std_hz,
+        "options": asdict(options),
+        "diagnose": diagnose,
+        "program": version_of(DISTRIBUTION, ""),
+    }
+    checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
+    checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
+    return Work(folder, checksum.hexdigest(), options, diagnose)
 
 
 def perform(work: Work) -> SessionResult:
@@ -48,10 +78,9 @@ def _contents(work: Work) -> dict[str, Any]:
     recording = Session.open(work.folder).recording()
     found = locate(recording, work.options)
     result = identify(recording, work.options, found)
-    size = amplitude(result)
     content: dict[str, Any] = {
         "unit": result.decay.unit,
-        "amplitude": None if size is None else abs(size),
+        "amplitude": None if result.amplitude is None else abs(result.amplitude),
         "parameters": identified_parameters(result),
         "refusals": dict(result.refusals),
     }

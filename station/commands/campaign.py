@@ -1,4 +1,4 @@
-"""`station campaign`: hundreds of sessions, in one table with trends and control limits."""
+"""`station campaign`: identify hundreds of sessions; trends, control limits."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +12,6 @@ from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from daq.session import SessionSummary
     from station.campaign.metadata import Known
     from station.campaign.run import Watch
     from station.results.campaign_document import CampaignDocument
@@ -52,9 +51,9 @@ def command(
     does what is missing or changed.
     """
     from station.campaign.metadata import read_metadata
+    from station.campaign.run import cores
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
-    from station.campaign.together import campaign
-    from station.campaign.workers import cores
+    from station.campaign.together import campaign, names_known
     from station.exits import Answered
     from station.text import campaign_text
     from station.text.layout import answer
@@ -70,7 +69,9 @@ def command(
     else:
         given, kept = sessions, output or default_folder(sessions, settings)
     sources = find_sources(sessions, settings)
-    known = _of_sessions(known, sources, metadata)
+    names_of = (name for source in sources for name in names_known(source))
+    if unknown := len(set(known).difference(names_of)):
+        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
     processes = min(workers or cores(), len(sources))
     try:
         with _watched(len(sources)) as watch:
@@ -86,20 +87,6 @@ def command(
         raise Answered(f"none of the {len(sources)} sessions has a result; the reasons are above")
 
 
-def _of_sessions(
-    known: "dict[str, Known]", sources: "tuple[SessionSummary, ...]", metadata: Path | None
-) -> "dict[str, Known]":
-    """Return what the operator's table says, by the names of the sessions; count what is of none of them."""
-    told = {
-        source.folder.name: {source.folder.name, source.info.source_file if source.info else ""}
-        for source in sources
-    }
-    unknown = len(set(known) - set().union(*told.values()))
-    if unknown:
-        progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
-    return {name: known[key] for name, keys in told.items() for key in keys if key in known}
-
-
 def _imported(
     arguments: tuple[str, ...],
     settings: Settings,
@@ -111,7 +98,7 @@ def _imported(
     from daq.importing.options import ImportOptions
     from daq.importing.propose import Doubtful
     from daq.importing.recipe import read_recipe, to_toml
-    from station.campaign.files import Names, files_in, import_files
+    from station.campaign.sources import Names, files_in, import_files
     from station.commands.asking import asked
     from station.exits import UsageProblem
     from station.operations.new_session import session_info

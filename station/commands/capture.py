@@ -1,4 +1,4 @@
-"""`station capture`: one release from a board, recorded, judged and identified."""
+"""`station capture`: record one release from a board, then identify it."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`station compare`: by how much a model fails on a session, and where."""
+"""`station compare`: say by how much a model fails on a session, and where."""
 
 from pathlib import Path
 

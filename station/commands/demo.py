@@ -1,4 +1,4 @@
-"""`station demo`: the whole job on a simulated board, which runs as a program of its own."""
+"""`station demo`: run the whole job on a simulated board."""
 
 import json
 from pathlib import Path
@@ -71,7 +71,7 @@ def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) ->
     from station.operations.mystery import BOARD, hidden_document, hidden_words
     from station.operations.new_session import new_folder
     from station.operations.simulated_board import on_simulated, simulated_capture
-    from station.report.guided import show_guided
+    from station.report.write import show_guided
     from station.text.layout import answer
 
     wanted = simulated_capture(settings, f"mystery {seed}", speed)

@@ -1,4 +1,4 @@
-"""`station diagnose`: which effect a model lacks, how sure that is, and what to record next."""
+"""`station diagnose`: find out which effect a model lacks."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""`station doctor`: is everything ready for a capture, and if not, what to do."""
+"""`station doctor`: check computer, port and board before a capture."""
 
 from dataclasses import asdict
 

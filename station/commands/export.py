@@ -1,4 +1,4 @@
-"""`station export`: a session's channels for another program."""
+"""`station export`: write a session's channels for another program."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,6 @@ import click
 
 from station.commands.options import SESSION, declared, option
 from station.exits import UsageProblem
-from station.output import asked_for_json, say
 from station.settings import Settings
 
 FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
@@ -33,7 +32,7 @@ def command(
     from daq.exporting import FORMATS as ENDINGS, form_of
     from station.operations.exporting import exported_session, write_exported
     from station.results.sessions import open_session
-    from station.text.content import Told, facts
+    from station.text.content import Table, Told, facts
     from station.text.layout import answer
 
     if form is None:
@@ -57,6 +56,5 @@ def command(
     columns = ", ".join(f"{name} [{unit}]" for name, unit in document["channels"].items())
     rows = [("columns", f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")]
     rows += [(name, exported.facts.get(name, "")) for name in ("channels", "lag_s", "lag_std_s")]
-    if not asked_for_json():
-        say(f"written: {target} ({form}, {size / 1000:.0f} kB)")
-    answer(document, Told("", "", facts(rows)))
+    written = Table("", ("",), ((f"written: {target} ({form}, {size / 1000:.0f} kB)",),), texts=1)
+    answer(document, Told("", "", (written, *facts(rows))))

@@ -1,4 +1,4 @@
-"""`station guide`: a test that says what to release next, until it is sure what is missing."""
+"""`station guide`: say what to release next, until it is sure what is missing."""
 
 import sys
 from pathlib import Path
@@ -40,7 +40,7 @@ def command(
     wanted = wanted_capture(settings, given)
     named = choose_port(port or settings.capture.port)
     place = folder or new_folder(settings.sessions, "guide")
-    from station.report.guided import show_guided
+    from station.report.write import show_guided
 
     document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended))
     if asked_for_json():

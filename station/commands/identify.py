@@ -1,8 +1,8 @@
-"""`station identify`: stiffness, friction and damping of one session, by both methods."""
+"""`station identify`: find stiffness, friction and damping in a session."""
 
 import click
 
-from station.commands.options import FULL, MASS_INSTEAD, SESSION, declared, option
+from station.commands.options import FULL, POSITIVE, SESSION, declared, option
 from station.exits import UsageProblem
 from station.output import progress
 from station.settings import Settings
@@ -12,7 +12,7 @@ from station.settings import Settings
 def command(
     settings: Settings,
     session: str = SESSION,
-    mass: float | None = MASS_INSTEAD,
+    mass: float | None = option("Mass, instead of the session's.", type=POSITIVE, metavar="KG"),
     max_order: int | None = option("Highest order of damping that is tried.", type=click.IntRange(0, 5)),
     stiffness_orders: str | None = option("Orders of displacement in the restoring force.", metavar="1,3"),
     full: bool = FULL,

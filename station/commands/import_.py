@@ -1,4 +1,4 @@
-"""`station import`: recordings of other boards become sessions."""
+"""`station import`: turn a file of another board into sessions."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -137,7 +137,7 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
 
 def _told(file: Path, imported: "Imported") -> Told:
     from daq.session_reading import RECIPE
-    from station.text.record_text import sampling
+    from station.text.identification_text import sampling
 
     rows = []
     for recording in imported.recordings:

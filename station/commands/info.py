@@ -1,4 +1,4 @@
-"""`station info`: what a session holds, and its current model."""
+"""`station info`: show what a session holds."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def command(
 
 def _rows(document: dict[str, Any], rate: float, length: str, model: str) -> list[tuple[str, str]]:
     from station.story.engineering_values import Weighing
-    from station.text.record_text import flagged_lines, mass_words, sampling
+    from station.text.identification_text import flagged_lines, mass_words, sampling
 
     sampled, verdict = sampling(document["samples"], rate, document["rate_std_hz"]), document["verdict"]
     return [

@@ -1,4 +1,4 @@
-"""`station list`: the sessions in a folder."""
+"""`station list`: list the sessions in a folder."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,13 +25,11 @@ def command(settings: Settings, folder: Path | None = argument(required=False)) 
         raise UsageProblem(f"{place}: there is no such folder")
     found = list_sessions(place) if place.is_dir() else ()
     document = {"folder": str(place), "sessions": [_entry(summary) for summary in found]}
-    if not found:
-        words = Told(f"no sessions in {place}; make one with `station demo`, `capture` or `import`", "", ())
-        answer(document, words)
-        return
+    none = f"no sessions in {place}; make one with `station demo`, `capture` or `import`"
     head = ("session", "made", "state", "verdict", "mass")
-    table = Table("", head, tuple(map(_row, found)), texts=5)
-    answer(document, Told(f"sessions in {place}", "", (table,)), "info", found[-1].folder)
+    table = (Table("", head, tuple(map(_row, found)), texts=5),) if found else ()
+    step = ("info", found[-1].folder) if found else ()
+    answer(document, Told(f"sessions in {place}" if found else none, "", table), *step)
 
 
 def _entry(summary: "SessionSummary") -> dict[str, Any]:

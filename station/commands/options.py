@@ -13,6 +13,7 @@ from station.settings import load_settings
 
 FILE = click.Path(path_type=Path)
 POSITIVE = click.FloatRange(min=0, min_open=True)
+WITHIN_AN_HOUR = click.FloatRange(0, 3600, min_open=True)
 KINDS: dict[Any, dict[str, Any]] = {
     bool: {"is_flag": True},
     Path: {"type": FILE},
@@ -87,7 +88,7 @@ def argument(**said: Any) -> Any:
 def existing(
     what: str = "session or data file", *, or_all: bool = False
 ) -> Callable[[click.Context, click.Parameter, Given], Given]:
-    """Make what refuses at once an argument that is not there and no session's name where the settings say.
+    """Make what finds the session or file that an argument means, and refuses at once what is not there.
 
     `what` it may be is said in the refusal; with `or_all` the settings' folder of sessions passes, there or not.
     """
@@ -95,11 +96,12 @@ def existing(
     def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
         from station.results.session_names import session_folder
 
-        sessions = load_settings(context.obj).sessions
-        for name in (value,) if isinstance(value, str) else value:
-            if not (or_all and name == str(sessions)):
-                session_folder(name, sessions, what)
-        return value
+        root = load_settings(context.obj).sessions
+
+        def found(name: str) -> str:
+            return name if or_all and name == str(root) else str(session_folder(name, root, what))
+
+        return found(value) if isinstance(value, str) else tuple(map(found, value))
 
     return check
 
@@ -142,21 +144,10 @@ MODEL = option(
     metavar="FILE",
 )
 EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE", is_eager=True)
-MASS_INSTEAD = option("Mass, instead of the session's.", "--mass", type=POSITIVE, metavar="KG")
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
 FULL = option("Print all that is known, not only the result.", "--full")
 NO_VIEWER = option("Do not use the viewer.", "--no-viewer")
-DURATION = option(
-    "Seconds after the release (8).", "--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S"
-)
-RATE = option("Sampling rate (256).", "--rate", type=click.FloatRange(5, 20000), metavar="HZ")
-PATIENCE = option(
-    "How long to wait for the release (60).",
-    "--patience",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-)
 SPECIMEN = option("What is tested.", "--specimen")
 OPERATOR = option("Who tests it.", "--operator")
 CONDITIONS = option(
@@ -191,9 +182,9 @@ BAUD = option("Baud rate of the lines (115200).", "--baud", type=click.IntRange(
 RELEASE = {
     "mass": (float, MASS),
     "mass_std": (float, MASS_STD),
-    "duration": (float, DURATION),
-    "rate": (float, RATE),
-    "patience": (float, PATIENCE),
+    "duration": (float, option("Seconds after the release (8).", type=WITHIN_AN_HOUR, metavar="S")),
+    "rate": (float, option("Sampling rate (256).", type=click.FloatRange(5, 20000), metavar="HZ")),
+    "patience": (float, option("How long to wait for the release (60).", type=WITHIN_AN_HOUR, metavar="S")),
     "specimen": (str, SPECIMEN),
     "operator": (str, OPERATOR),
     "conditions": (tuple[str, ...], CONDITIONS),

@@ -1,4 +1,4 @@
-"""`station ports`: where a board may be."""
+"""`station ports`: list the ports on which a board may be."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`station profile`: listen to a board that prints lines, say what comes, and keep what it means."""
+"""`station profile`: describe a board that prints numbers line by line."""
 
 from typing import TYPE_CHECKING
 

@@ -1,8 +1,9 @@
-"""`station recover`: finish what a power cut or a crash left half done."""
+"""`station recover`: seal a session that was cut off in mid-capture."""
 
+from pathlib import Path
 from typing import Any
 
-from station.commands.options import argument, declared
+from station.commands.options import argument, declared, existing
 from station.exits import Answered, code_of
 from station.settings import Settings
 
@@ -10,7 +11,7 @@ from station.settings import Settings
 @declared("recover")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...] = argument(nargs=-1),
+    sessions: tuple[str, ...] = argument(nargs=-1, callback=existing("session")),
 ) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
@@ -20,15 +21,11 @@ def command(
     """
     from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
-    from station.results.session_names import session_folder
     from station.text.content import Table, Told
     from station.text.layout import answer
 
-    root = settings.sessions
-    if sessions:
-        folders = [session_folder(name, root) for name in sessions]
-    else:
-        folders = list(unsealed_sessions(root)) if root.is_dir() else []
+    unsealed = unsealed_sessions(settings.sessions) if settings.sessions.is_dir() else ()
+    folders = list(map(Path, sessions)) or list(unsealed)
     entries, problems = [], []
     for folder in folders:
         try:

@@ -1,4 +1,4 @@
-"""`station refine`: the next model of a session, and the ladder of errors that led to it."""
+"""`station refine`: add an effect and watch the error fall."""
 
 from pathlib import Path
 

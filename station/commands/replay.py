@@ -1,4 +1,4 @@
-"""`station replay`: a session's raw bytes through the same decoder and the same pipeline again."""
+"""`station replay`: send a session's raw bytes through the decoder again."""
 
 import click
 

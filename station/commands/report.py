@@ -1,11 +1,11 @@
-"""`station report`: one page about a session, to attach to a test report."""
+"""`station report`: write all that is known of a session into one page."""
 
 from pathlib import Path
 
 import click
 
 from station.commands.options import SESSION, declared, option
-from station.output import asked_for_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 NO_FOLDER = click.Path(path_type=Path, dir_okay=False)
@@ -29,20 +29,21 @@ def command(
     """
     from station.report.write import write_report
     from station.results.sessions import open_session
-    from station.text.content import Told, facts
+    from station.text.content import Table, Told, facts
     from station.text.layout import answer
 
     opened = open_session(session, settings.sessions)
     report, left_out = write_report(opened, output, settings=settings, progress=progress)
+    path = Table("", ("",), ((f"report: {report}",),), texts=1)
     rows = [("left out", f"{name.replace('_', ' ')}: {why}") for name, why in sorted(left_out.items())]
     document = {
         "session": opened.folder.name,
         "report": str(report.resolve()),
         "left_out": left_out,
     }
-    if not asked_for_json():
-        say(f"report: {report}")
-    answer(document, Told("", "", facts(rows)), *(() if with_browser else ("report", session, "--open")))
+    answer(
+        document, Told("", "", (path, *facts(rows))), *(() if with_browser else ("report", session, "--open"))
+    )
     if with_browser:
         import webbrowser
 

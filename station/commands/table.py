@@ -1,11 +1,12 @@
-"""`station table`: the paper's tables for any number of sessions."""
+"""`station table`: print the paper's tables for any number of sessions."""
 
 import click
 
 from station.commands.options import SESSIONS, declared, option
 from station.exits import UsageProblem
-from station.output import asked_for_json, next_line, print_json, progress
+from station.output import asked_for_json, next_line, progress
 from station.settings import Settings
+from station.text.content import Told
 
 FORMATS = ("text", "latex")
 
@@ -26,27 +27,26 @@ def command(
     from station.operations.session_set import by_reason, of_each
     from station.results.sessions import open_session
     from station.text import table
+    from station.text.layout import answer
 
     opened = [open_session(name, settings.sessions) for name in sessions]
     found, left_out = of_each(opened, lambda session: identified(session, settings))
     for reason in by_reason(left_out):
         progress(f"left out: {reason}")
-    documents, folders = [document for _, document in found], [session.folder for session, _ in found]
-    if not documents:
+    if not found:
         raise NotIdentifiable("none of the sessions could be identified")
-    if len({document["record"]["unit"] for document in documents}) > 1:
+    if len({result.decay.unit for _, result in found}) > 1:
         raise UsageProblem("some sessions are in m and some in rad: make one table of each")
-    if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
+    if len({result.decay.mass is None for _, result in found}) > 1:
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
-    tables = table.make_tables(documents, plain=asked_for_json())
-    if asked_for_json():
-        print_json({"table_1": tables.table_1, "table_2": tables.table_2})
+    results = [(session.folder.name, result) for session, result in found]
+    tables = table.make_tables(results, plain=asked_for_json())
+    document = {"table_1": tables.table_1, "table_2": tables.table_2}
+    step = ("diagnose" if len(found) > 1 else "compare", *(session.folder for session, _ in found))
+    if form == "latex" and not asked_for_json():
+        click.echo(table.as_latex(tables), nl=False)
+        progress(next_line(*step))  # the table goes into a file
     else:
-        click.echo(table.as_text(tables) if form == "text" else table.as_latex(tables), nl=False)
-        step = next_line("diagnose" if len(folders) > 1 else "compare", *folders)
-        if form == "text":
-            click.echo(f"\n{step}")
-        else:  # the table goes into a file
-            progress(step)
+        answer(document, Told("", "", tuple(table.in_pieces(tables))), *step)

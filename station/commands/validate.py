@@ -1,4 +1,4 @@
-"""`station validate`: what a model predicts of sessions that it was not fitted to."""
+"""`station validate`: say how well a model predicts other sessions."""
 
 from pathlib import Path
 

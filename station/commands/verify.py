@@ -1,23 +1,23 @@
-"""`station verify`: does every file of a session still hold what was written?"""
+"""`station verify`: check a session's files against its manifest."""
 
-from station.commands.options import SESSIONS, declared
+from pathlib import Path
+
+from station.commands.options import argument, declared, existing
 from station.exits import STORAGE, Answered
-from station.settings import Settings
 
 
 @declared("verify")
 def command(
-    settings: Settings,
-    sessions: tuple[str, ...] = SESSIONS,
+    sessions: tuple[str, ...] = argument(
+        nargs=-1, required=True, metavar="SESSION...", callback=existing("session")
+    ),
 ) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
-    from station.results.session_names import session_folder
     from station.text.content import Table, Told
     from station.text.layout import answer
 
-    root = settings.sessions
-    checked = [verify(session_folder(name, root)) for name in sessions]
+    checked = [verify(Path(folder)) for folder in sessions]
     keys = ("ok", "files", "problems", "remarks")
     entries = [{"session": str(one.folder)} | {key: getattr(one, key) for key in keys} for one in checked]
     rows = []

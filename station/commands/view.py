@@ -1,4 +1,4 @@
-"""`station view`: a session in the Rerun viewer."""
+"""`station view`: open a session in the Rerun viewer."""
 
 from station.commands.options import NO_VIEWER, SESSION, declared
 from station.output import progress

@@ -1,4 +1,4 @@
-"""`station workbench`: one page on which the loop is closed with a mouse."""
+"""`station workbench`: open the page on which all of this is done by mouse."""
 
 from pathlib import Path
 

@@ -57,12 +57,12 @@ def kept_options(session: Session, settings: Settings) -> Options:
     return replace(options, max_order=kept.max_order, stiffness_orders=kept.stiffness_orders)
 
 
-def identified(session: Session, settings: Settings) -> dict[str, Any]:
+def identified(session: Session, settings: Settings) -> Identification:
     """Identify a session at the orders that were chosen; NotIdentifiable where neither method finds anything."""
-    result, document = identify_session(session, settings)
+    result, _ = identify_session(session, settings)
     if not result.methods:
         raise NotIdentifiable("nothing identified")
-    return document
+    return result
 
 
 def refuse_if_nothing(result: Identification) -> None:

@@ -13,7 +13,7 @@ from daq.importing.units import parse_scaled_unit, parse_unit
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.settings import Settings
-from station.validation_words import refusal
+from station.suggestions import refusal
 
 
 def new_folder(sessions: Path, prefix: str = "release") -> Path:

@@ -17,11 +17,11 @@ from station.operations.session_curves import diagnosed_beside, opened_or_none, 
 from station.operations.session_set import by_reason, declared, of_each, opened_once
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
-from station.results.documents import keep_document
+from station.results.documents import RefusedSession, keep_document
 from station.results.ladder import read_ladder
 from station.results.models import ModelFile, known_model, read_model_file
 from station.results.sessions import open_session
-from station.results.validation_document import NAME, ValidationDocument, validation_document
+from station.results.validation_document import NAME, ValidatedDocument, ValidationDocument
 from station.settings import Settings
 from station.story.known_model import KnownModel
 from station.story.pipeline import Progress, silent
@@ -77,7 +77,10 @@ def validate_sessions(
 
     found = validate(given.known.model, given.known.values, decays, fitted_to=own, hold=hold, progress=report)
     fitted_to = tuple(session.folder.name for session in given.fitted_to)
-    document = validation_document(given.source, fitted_to, given.file, found, names, skipped)
+    predicted = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
+    why = [RefusedSession(session=name, reason=reason) for name, reason in skipped.items()]
+    known_as = {"format": 1, "source": given.source, "fitted_to": fitted_to, "model": given.file}
+    document = ValidationDocument.of(found, sessions=predicted, skipped=why, **known_as)
     for session, _ in ready:
         keep_document(session, NAME, document, progress)
     return document

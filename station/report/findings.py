@@ -105,19 +105,15 @@ def _take_model(found: Findings, settings: Settings) -> None:
         left_out["ladder"] = "the model was not refined in this session; `station refine` does that"
     if document is None and not refined:
         return
-    try:
+    with _or_say_why(found, "ladder" if refined else "force_maps", NotIdentifiable, UsageProblem):
         refinement = open_refinement(session, settings)
-    except (NotIdentifiable, UsageProblem) as refusal:
-        left_out |= {"ladder": str(refusal)} if refined else {}
-        left_out |= {"force_maps": str(refusal)} if document is not None else {}
-        return
-    prepared, library, ladder = refinement.prepared, refinement.library, refinement.ladder
-    if document is not None:
-        with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
-            found.maps = kept_force_maps(document, prepared, library)
-            found.curves = kept_curves(refinement, document, settings)
-    if refined:
-        found.ladder = ladder
-        if ladder.present > 0 and found.compared is not None:
-            first = model_of_step(ladder.steps[0], library)
-            found.first = compare(session.folder.name, prepared, first)
+        ladder = refinement.ladder
+        if refined:
+            found.ladder = ladder
+            if ladder.present > 0 and found.compared is not None:
+                first = model_of_step(ladder.steps[0], refinement.library)
+                found.first = compare(session.folder.name, refinement.prepared, first)
+        if document is not None:
+            with _or_say_why(found, "force_maps", UsageProblem):  # an effect of a file that is not at hand
+                found.maps = kept_force_maps(document, refinement.prepared, refinement.library)
+                found.curves = kept_curves(refinement, document, settings)

@@ -10,9 +10,9 @@ from station.story.engineering_values import budget, engineering_values
 from station.story.preparation import calibration_of
 from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
+from station.text.identification_text import mass_words
 from station.text.layout import sentence
 from station.text.numbers import typeset_unit
-from station.text.record_text import mass_words
 from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"
@@ -55,9 +55,9 @@ def _measured(found: Findings) -> tuple[Part, ...]:
     warning = (Paragraph(found.doubt, label="Warning", strong=True),) if found.doubt else ()
     return warning + facts(
         (
-            ("specimen", info.specimen),
+            ("specimen", info.specimen or NOT_STATED),
             ("test", f"free decay, {'recorded' if info.board else 'imported'} {day}, {seconds:.4g} s{taken}"),
-            ("operator", info.operator),
+            ("operator", info.operator or NOT_STATED),
             ("mass", mass_words(found.weighing)),
             ("sensors", channels),
         )

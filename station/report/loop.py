@@ -1,21 +1,42 @@
-"""The sections of results: where the current model fails, the suspects, the ladder, and both identifications."""
+"""The sections of results: where the current model fails, suspects, ladder, equation of motion, both identifications."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 
 from identify.curves.laid_over import DecayCurves
+from identify.fitting.fit import Fit
+from identify.formatting import SPACE, with_error
 from station.report.findings import Findings
 from station.results.diagnosis_pictures import NamedCurves
+from station.story.engineering_values import Weighing
+from station.story.measured_curves import measured_curves
 from station.story.pipeline import Compared
 from station.text import comparison_text, diagnosis_text, identification_text, ladder_text
-from station.text.content import Figure, Paragraph, Part, Table, facts, left_out
-from station.text.numbers import typeset, with_unit
+from station.text.content import Equation, Figure, Paragraph, Part, Table, facts, left_out
+from station.text.layout import sentence
+from station.text.numbers import typeset, typeset_unit, with_unit
 from station.views import comparison_figures, diagnosis_figures, identification_figures
+from station.views.overlay import alignment as picture_of_lag
 from station.views.palette import LIGHT, Look
+
+SEGMENTS = "the values are fitted to {} pieces of the record, which share the physics."
+
+CAUTION = (
+    "This model leaves {}. The standard errors allow for a slow drift of the motion. A missing force may have moved the "
+    "parameters by more."
+)
+CURVE = (
+    "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
+    "It has no name: {} in the model file keeps it, and `station validate` tests it on other releases."
+)
 
 
 def comparison(found: Findings) -> tuple[Part, ...]:
     """Say and draw where the current model fails; nothing without one."""
-    return () if found.compared is None else where_it_fails(found.compared)
+    if found.compared is None:
+        return ()
+    headline = comparison_text.told(found.compared).headline
+    return (Paragraph(headline, strong=True), *where_it_fails(found.compared))
 
 
 def where_it_fails(compared: Compared, look: Look = LIGHT) -> tuple[Part, ...]:
@@ -67,9 +88,7 @@ def suspects(found: Findings) -> list[Part]:
             f"The missing force in free form; it explains {100 * shape.explained:.0f} % of the residual."
         )
         parts.append(Figure(caption, diagnosis_figures.shape(shape.curves[0], found.weighing)))
-    known = document.suspects[0].confusable_with if document.named and document.suspects else []
-    confused = f"{', '.join(known)}; a record of another kind separates them" if known else ""
-    return [*parts, *words.more[1:], *facts([("easily confused", confused)])]
+    return [*parts, *words.more[1:]]
 
 
 def ladder(found: Findings) -> list[Part]:
@@ -111,26 +130,88 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
     return " ".join(words)
 
 
+def equation(found: Findings) -> list[Part]:
+    """Show the current model in letters and in numbers; nothing without one."""
+    compared = found.compared
+    if compared is None:
+        return []
+    judged = compared.judged
+    fit = judged.stated(judged.fit)
+    weighing = found.weighing
+    right = "0" if fit.windows[0].force is None else "f(t)" if weighing.mass else "f(t)/m"
+    terms = weighing.terms(term.effect for term in fit.model.terms)
+    lines = [_typeset_equation(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(fit, weighing))]
+    parts: list[Part] = [
+        Paragraph(f"{sentence(compared.words)}", label="Model"),
+        Equation(tuple(lines)),
+        Paragraph(
+            "Displacement u from the spring's zero and velocity v in "
+            f"{compared.comparison.unit} and {compared.comparison.unit}/s"
+            f"{weighing.words and f'; {weighing.words}'}."
+        ),
+        _parameters(fit, weighing),
+    ]
+    expressions = () if found.ladder is None else found.ladder.top.model.expressions
+    for curve in measured_curves(fit, expressions):
+        parts.append(
+            Figure(
+                CURVE.format(curve.title, curve.over, curve.name),
+                diagnosis_figures.measured_curve(curve, weighing),
+            )
+        )
+    if len(fit.windows) > 1:
+        parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
+    if not judged.at_floor:
+        parts.append(Paragraph(CAUTION.format(compared.left), label="Caution", strong=True))
+    return parts
+
+
+def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:
+    """Write the terms with the values in place of the mass and the parameters, rounded to their errors."""
+    inertia, *forces = weighing.terms((term.effect for term in fit.model.terms), in_numbers=True)
+    yield inertia
+    for text, term in zip(forces, fit.model.forces, strict=True):
+        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
+            number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
+            number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
+            number = f"({number})" if "×" in number or number.startswith("-") else number
+            text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
+        yield text
+
+
+def _typeset_equation(text: str) -> str:
+    raised = re.sub(r"mu_(\d)", lambda found: typeset(found.group(0)), typeset(text))
+    return raised.replace("u''", "ü", 1).replace("+ -", "− ")
+
+
+def _parameters(fit: Fit, weighing: Weighing) -> Table:
+    rows = []
+    for term in fit.model.terms:
+        meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
+        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
+            unit = typeset_unit(value.unit) or "1"
+            number = with_error(value.value, value.std)
+            rows.append((term.effect.name, typeset(name), weighing.worded(meanings[name]), number, unit))
+    head = ("effect", "parameter", "meaning", "value", "unit")
+    return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)
+
+
 def methods(found: Findings) -> list[Part]:
     """Put both methods side by side; what was refused says why. Nothing where nothing was identified."""
     result = found.identification
     if result is None:
         return []
-    why = facts(identification_text.reasons(result))
+    words = identification_text.told("This release", result, full=True)
+    parts = [Paragraph(words.headline, strong=True), *words.brief]
+    if (lag := picture_of_lag(result)) is not None:
+        caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
+        parts.append(Figure(caption, lag))
     if not result.methods:
-        return [*why]
-    words = Paragraph(identification_text.told("This release", result).headline, strong=True)
+        return parts
     force, length = result.restoring_force, result.decay.unit
-    offset = ""
     if force is not None:
         constant = with_unit(result.weighing.strength(force.offset))
-        offset = f"{force.source}; constant {result.weighing.worded()} {constant}"
-    parts: list[Part] = [
-        words,
-        identification_text.methods_table(result, full=True),
-        *why,
-        *facts([("force from", offset)]),
-    ]
+        parts += facts([("force from", f"{force.source}; constant {result.weighing.worded()} {constant}")])
     if result.wavelet is not None:
         caption = (
             "Envelope on the ridge with its fit, instantaneous frequency (where it can be trusted), and backbone. "

@@ -1,46 +1,51 @@
-"""The sections on the record: set-up with calibration, capture with verdict, alignment, and the software that was used."""
+"""The sections on the record: set-up with calibration and verdict, and the software that was used."""
 
 import platform
 from datetime import UTC
 
 from daq.recording import Channel
-from identify.formatting import three_figures, with_error
+from identify.formatting import three_figures
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED
-from station.results.identification_document import amplitude
 from station.settings import version_of
 from station.text.content import Facts, Figure, Paragraph, Part, Table, facts, left_out
-from station.text.identification_text import KINDS, alignment_rows, noise_of
-from station.text.numbers import scale, typeset_unit
-from station.text.record_text import flagged_lines, mass_words, sampling
+from station.text.identification_text import flagged_lines, sampling
+from station.text.numbers import typeset_unit
 from station.views.identification_figures import record
-from station.views.overlay import alignment as picture_of_lag
 
 PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
 
 
 def setup(found: Findings) -> list[Part]:
-    """Say what was tested, by whom, with which sensors and calibrations."""
-    info, recording = found.session.info, found.recording
-    board = info.board
+    """Show the record: the verdict on it, from where it is, how it was sampled, with which sensors and calibrations."""
+    info, recording, board = found.session.info, found.recording, found.session.info.board
+    result = found.identification
+    flags = found.manifest.flags if found.manifest is not None else ()
+    sampled = sampling(recording.samples.shape[1], recording.rate, recording.rate_std)
     rows = [
-        ("specimen", info.specimen or NOT_STATED),
-        ("operator", info.operator or NOT_STATED),
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
         ("source", info.source_file or info.source or NOT_STATED),
-        ("mass", mass_words(found.weighing)),
-        ("sampling", sampling(recording.samples.shape[1], recording.rate, recording.rate_std)),
+        ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}" if board else ""),
+        ("sampling", f"{sampled}, {int((~recording.valid).sum())} lost, marked and never filled in"),
+        ("flagged", "; ".join(flagged_lines([flag.model_dump() for flag in flags], recording.rate))),
+        ("how it was read", "; ".join(recording.notes)),
         ("remarks", info.remarks),
     ]
-    if board is not None:
-        rows.insert(4, ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}"))
     table = Table(
         "Channels and their calibration",
         ("channel", "quantity", "unit", "sensor", "calibrated", "uncertainty", "resolution", "range"),
         tuple(_channel(found, channel) for channel in recording.channels),
         texts=5,
     )
-    return [*facts(rows), table]
+    parts: list[Part] = [_verdict(found), *facts(rows), table]
+    if result is None:
+        reason = found.left_out["identification"].rstrip(".")
+        parts.append(Paragraph(f"Nothing can be identified in this record: {reason}.", strong=True))
+    time = None if result is None or result.decay.driven else result.release.time_s
+    caption = "The record." if time is None else "The record; dashed: the release."
+    shaded = " Flagged samples are shaded." if flags else ""
+    figure = record(recording, time, flags)
+    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
 
 
 def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
@@ -58,35 +63,6 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
     )
 
 
-def capture(found: Findings) -> list[Part]:
-    """Show the record, the verdict on it, what was lost, the noise and the release."""
-    parts: list[Part] = [_verdict(found)]
-    result = found.identification
-    flags = found.manifest.flags if found.manifest is not None else ()
-    rows = [("lost samples", _lost(found))]
-    lines = flagged_lines([flag.model_dump() for flag in flags], found.recording.rate)
-    rows += [("flagged", "; ".join(lines))] if lines else []
-    if result is not None:
-        rows += _release(found)
-        rows += [(f"noise, {name}", noise) for name, noise in noise_of(result)]
-    if found.recording.notes:
-        rows.append(("how it was read", "; ".join(found.recording.notes)))
-    parts.append(Facts(tuple(rows)))
-    if result is None:
-        reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
-        parts.append(Paragraph(reason, strong=True))
-    free = result is not None and not result.decay.driven
-    caption = "The record; dashed: the release." if free else "The record."
-    time = result.release.time_s if free and result is not None else None
-    shaded = " Flagged samples are shaded." if flags else ""
-    figure = record(found.recording, time, flags)
-    return [*parts, Figure(f"{caption} Lost samples are left blank.{shaded}", figure)]
-
-
-def _ended(reason: str) -> str:
-    return f"{reason.rstrip('.')}."
-
-
 def _verdict(found: Findings) -> Paragraph:
     verdict = found.verdict
     if verdict is None:
@@ -95,44 +71,6 @@ def _verdict(found: Findings) -> Paragraph:
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
     return Paragraph(text, label="Verdict on the recording", strong=True)
-
-
-def _lost(found: Findings) -> str:
-    lost = int((~found.recording.valid).sum())
-    if not lost:
-        return "none"
-    gaps = found.recording.gaps
-    longest = max((gap.count for gap in gaps), default=lost)
-    return f"{lost}, marked and never filled in; the longest gap {longest} samples"
-
-
-def _release(found: Findings) -> list[tuple[str, str]]:
-    assert found.identification is not None
-    decay, release = found.identification.decay, found.identification.release
-    if decay.driven:
-        return [("motion", "a recorded force drives it to the end: there is no free decay")]
-    rest = (release.rest[1] - release.rest[0]) / decay.rate
-    rows = [
-        (
-            "release",
-            f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
-        ),
-        ("rest before", f"{rest:.2f} s"),
-    ]
-    if (size := amplitude(found.identification)) is not None:
-        factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{abs(size) * factor:.4g} {typeset_unit(label)}"))
-    return rows
-
-
-def alignment(found: Findings) -> list[Part]:
-    """State the lag between the channels, and the error that it would have caused."""
-    result = found.identification
-    if result is None or result.alignment is None:
-        return [Paragraph(f"The channels were not aligned: {_ended(found.left_out['alignment'])}")]
-    picture = picture_of_lag(result)
-    caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
-    return [*facts(alignment_rows(result)), *([] if picture is None else [Figure(caption, picture)])]
 
 
 def provenance(found: Findings) -> list[Part]:
@@ -145,11 +83,9 @@ def provenance(found: Findings) -> list[Part]:
     else:
         files = sorted(found.manifest.files.items())
         table = tuple(
-            (name, str(file.size), file.sha256) for name, file in files if not name.endswith(".html")
+            (name, file.sha256, str(file.size)) for name, file in files if not name.endswith(".html")
         )
-        parts.append(
-            Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
-        )
+        parts.append(Table("Files of the session (SHA-256)", ("file", "checksum", "bytes"), table, texts=2))
         as_it_came = "raw.log holds every byte as it came; all results can be made again from it."
         parts.append(Paragraph(found.doubt or as_it_came))
     return parts

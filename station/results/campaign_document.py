@@ -53,26 +53,20 @@ class OutsideDocument(Part):
     sigmas: Number
 
 
-class Limits(Part):
-    """The control limits of a series: `centre` is the median, `spread` the median moving range / 0.9539, the limits are
-    three spreads away.
-    """
-
-    centre: float
-    spread: float
-    lower: float
-    upper: float
-
-
-class ChartDocument(Limits):
+class ChartDocument(Part):
     """One parameter over all sessions, in the order in which they were made: an individuals chart.
 
-    `stated` is the median of the stated standard errors.
+    `centre` is the median, `spread` the median moving range / 0.9539; the limits `lower` and `upper` are three spreads
+    away. `stated` is the median of the stated standard errors.
     """
 
     parameter: str
     unit: str
     sessions: int
+    centre: float
+    spread: float
+    lower: float
+    upper: float
     stated: Number
     outside: list[OutsideDocument]
 

@@ -75,16 +75,11 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
 
 def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
     """Name the parts: by their sessions, of which some may be too short to have a curve."""
-    with_curve = tuple(sessions[i] for i in found.releases if i < len(sessions))
-    if found.one_record:
-        several = len(sessions) > 1 and len(with_curve) == 1
-        parts = AMPLITUDES if found.parts == len(AMPLITUDES) else (AMPLITUDES[0], AMPLITUDES[-1])
-        return tuple(f"{with_curve[0]}, {part}" for part in parts) if several else parts
-    if found.parts == len(sessions):
-        return sessions
-    if found.parts == len(with_curve):
+    with_curve = tuple(sessions[place] for place in found.releases)
+    if not found.one_record:
         return with_curve
-    return tuple(f"release {number}" for number in range(1, found.parts + 1))
+    parts = AMPLITUDES if found.parts == len(AMPLITUDES) else (AMPLITUDES[0], AMPLITUDES[-1])
+    return tuple(f"{with_curve[0]}, {part}" for part in parts) if len(sessions) > 1 else parts
 
 
 def _errors(held: HeldOut, names: tuple[str, ...]) -> PredictedErrors:

@@ -20,8 +20,8 @@ from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.documents import (
     Document,
+    Errors,
     EstimateDocument,
-    FreeRunErrors,
     ModelSummary,
     Number,
     Numbers,
@@ -42,19 +42,6 @@ Channel = Annotated[
     Field(validation_alias=AliasPath("term", "channel")),
 ]
 """The channel at fault, None for a force."""
-
-
-class NoiseFloorDocument(Part):
-    """The standard error of the floor of chi2, which is 1, and the noise of each channel (of the first session).
-
-    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
-    it speaks against the model: its power there, relative to that expected from between them. None where it was not asked.
-    """
-
-    chi2_std: float
-    channels: dict[str, Any]
-    sure: bool | None = None
-    harmonics: dict[str, Any] | None = None
 
 
 class SuspectDocument(Part):
@@ -144,15 +131,6 @@ class UsedDocument(Part):
     words: str
 
 
-class ModeDocument(Part):
-    """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
-
-    frequency_hz: Number = Field(validation_alias="frequency")
-    percent: Number
-    channel: str
-    words: str
-
-
 class HypothesisDocument(Part):
     """A hypothesis: the effects beyond the model that was diagnosed, and the odds, 0 to 1 over all hypotheses."""
 
@@ -187,6 +165,9 @@ class DiagnosisDocument(Document):
     `confirmed` are those named effects that predict what they were not fitted to, `confirmation` how well, None where
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
+    `noise_floor` has the standard error of the floor of chi2, which is 1, and the noise of each channel (of the first
+    session); it is not `sure` where it is a guess (one channel, or no rest), and `harmonics` then says whether a residual
+    near it speaks against the model: its power there, relative to that expected from between them, None where not asked.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit:
@@ -200,15 +181,14 @@ class DiagnosisDocument(Document):
 
     sessions: list[str]
     model: ModelSummary
-    error: FreeRunErrors
-    noise_floor: NoiseFloorDocument | None
+    error: Errors
+    noise_floor: dict[str, Any] | None
     verdict: Verdict
     named: list[str]
     rivals: list[str]
     suspects: list[SuspectDocument]
-    together: list[str]
     findings: list[FindingDocument]
-    error_with_named: FreeRunErrors | None
+    error_with_named: Errors | None
     shape: ShapeDocument | None
     held_out: list[HeldOutDocument] | None
     explanation: str
@@ -222,7 +202,7 @@ class DiagnosisDocument(Document):
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     walk: dict[str, Any] | None = None
     caution: str = ""
-    modes: list[ModeDocument] = Field(default_factory=list)
+    modes: list[dict[str, Any]] = Field(default_factory=list)
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: dict[str, Any] | None = None
     varies: list[str] = Field(default_factory=list)
@@ -262,6 +242,7 @@ def diagnosis_document(
         model=ModelSummary.model_validate(fitted),
         error=errors_of(baseline),
         noise_floor=_noise_floor(found),
+        modes=[picked(mode, "percent", "channel", "words", frequency_hz="frequency") for mode in found.modes],
         walk=plain(picked(found.walk, "evidence", "stiffness", "damping", "reduced")),
         rivals=found.suspects[0].rivals if found.named else (),
         confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],
@@ -311,7 +292,7 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
             "verdict": "not_enough_data",
             "explanation": reason,
             "next_experiment": MORE_DATA,
-            **dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ()),
+            **dict.fromkeys(("named", "rivals", "suspects", "findings"), ()),
             **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
         }
     )

@@ -82,23 +82,21 @@ class RefusedSession(Part):
 
 
 class Errors(Part):
-    """The three errors of a model, or of noise alone; None where one is not finite."""
+    """The three errors of a model, or of noise alone; None where one is not finite, or not known.
+
+    `chi2_std` is the standard error of the floor of chi2; the free run goes to `horizon_s`.
+    """
 
     force_mse_percent: Number = None
     motion_percent: Number = None
     chi2: Number = Field(None, validation_alias="chi_square")
+    chi2_std: Number = Field(default=None, validation_alias="floor_std")
+    horizon_s: Number = None
 
     @property
     def words(self) -> str:
         """The residual in % of the motion, and its rms over that of the noise."""
         return residual_words(self.motion_percent, self.chi2)
-
-
-class FreeRunErrors(Errors):
-    """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
-
-    chi2_std: Number = Field(None, validation_alias="floor_std")
-    horizon_s: Number = None
 
 
 class ModelSummary(Part):

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import numpy as np
 from pydantic import AliasPath, Field
 
 from identify.free_decay import CHANNELS
@@ -46,7 +45,7 @@ def identification_document(
         "noise": {name: getattr(decay, f"noise_{name}") for name in CHANNELS},
     }
     times = {
-        "amplitude": amplitude(result),
+        "amplitude": result.amplitude,
         "end_s": release.end / rate,
         "rest_s": (release.rest[0] / rate, release.rest[1] / rate),
     }
@@ -68,21 +67,3 @@ def identification_document(
             "orders": picked(options, "max_order", "stiffness_orders", chosen="orders_chosen"),
         }
     )  # fmt: skip
-
-
-def amplitude(result: Identification) -> float | None:
-    """Measure how far the mass was from its rest at the release, m or rad, or None.
-
-    Signed where it was held away and the displacement was measured: its mean before the release less its
-    mean over the last tenth of the record. Otherwise the envelope at the start of the ridge.
-    """
-    displacement, rest = result.decay.displacement, result.release.rest
-    if result.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
-        kept = result.decay.known
-        held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
-        tail = slice(len(displacement) - len(displacement) // 10, None)
-        if len(held) and kept[tail].any():
-            return float(np.mean(held) - np.mean(displacement[tail][kept[tail]]))
-    if result.wavelet is not None and len(result.wavelet.envelope):
-        return float(result.wavelet.envelope[0])
-    return None

@@ -2,7 +2,7 @@
 
 from typing import Any, Self
 
-from pydantic import AliasPath, Field
+from pydantic import Field
 
 from daq.session import Session
 from daq.storage import digest
@@ -10,7 +10,6 @@ from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Number, Part, picked, read_with_checksum, to_text
 from station.results.models import ModelFile
 from station.story.engineering_values import Weighing
-from station.story.residual import reaches_floor
 
 LADDER = "ladder.json"
 MODEL = "model.json"
@@ -20,8 +19,8 @@ REMEDY = "begin again with --reset"
 class KeptStep(Part):
     """One step: what was added or removed, the model with its values, and its errors.
 
-    `floor_percent` is what noise alone leaves of the motion, `reached` whether the model leaves no more. `nuisances` are the
-    release's own values (state at the start, lag, gain, offsets), from which the same fit is found again at once.
+    `floor_percent` is what noise alone leaves of the motion, `at_floor` whether the model leaves no more. `nuisances` are
+    the release's own values (state at the start, lag, gain, offsets), from which the same fit is found again at once.
     `begun_with` says which model it is that the ladder began with; "" above that step.
     """
 
@@ -29,9 +28,8 @@ class KeptStep(Part):
     removed: str = ""
     model: ModelFile
     error: Errors
-    chi2_std: float = Field(validation_alias=AliasPath("error", "floor_std"))
-    floor_percent: Number = None
-    reached: bool | None = Field(None, validation_alias="at_floor")
+    floor_percent: Number
+    at_floor: bool
     nuisances: dict[str, float]
     begun_with: str = ""
 
@@ -49,11 +47,6 @@ class KeptStep(Part):
     def name(self) -> str:
         """Which model it is, as "usual model" or "refined model"."""
         return self.began if self.begun_with else "refined model"
-
-    @property
-    def at_floor(self) -> bool:
-        """Whether the model leaves no more than noise does."""
-        return reaches_floor(self.error.chi2, self.chi2_std) if self.reached is None else self.reached
 
     def weighed(self, weighing: Weighing) -> dict[str, Any]:
         """Return the same with the mass in forces and strengths."""
@@ -85,8 +78,7 @@ class KeptLadder(Document):
     @property
     def noise(self) -> Errors:
         """What noise alone leaves beside the present step."""
-        known = self.top.floor_percent
-        return self.floor if known is None else self.floor.model_copy(update={"motion_percent": known})
+        return self.floor.model_copy(update={"motion_percent": self.top.floor_percent})
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some fields replaced."""
@@ -128,12 +120,12 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
                 "added": step.added or None,
                 "removed": step.removed or None,
                 "effects": step.effects,
-                "error": step.error.model_dump() | {"chi2_std": step.chi2_std},
+                "error": step.error.model_dump(),
                 "parameters": {name: value.model_dump() for name, value in step.model.parameters.items()},
             }
             for step in steps
         ],
-        "floor": ladder.noise.model_dump(),
+        "floor": ladder.noise.model_dump(exclude_none=True),
         "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }

@@ -14,9 +14,7 @@ from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from station.exits import UsageProblem
 from station.story.known_model import KnownModel
-from station.validation_words import one_line, refusal
-
-LARGEST = 1 << 20
+from station.suggestions import one_line, read_named, refusal
 
 
 class _Part(BaseModel):
@@ -96,14 +94,7 @@ def read_model_file(file: Path) -> ModelFile:
     if file.exists() and not file.is_file():  # a pipe would be waited for
         raise UsageProblem(f"the model {file} is no plain file; give the file that refine wrote")
     try:
-        with file.open("rb") as stream:
-            content = stream.read(LARGEST + 1)
-    except OSError as error:
-        raise UsageProblem(f"the model {file} cannot be read: {error.strerror or error}") from error
-    if len(content) > LARGEST:
-        raise UsageProblem(f"the model {file} is larger than 1 MB; give the file that refine wrote")
-    try:
-        return ModelFile.model_validate_json(content)
+        return ModelFile.model_validate_json(read_named(file, "the model"))
     except ValidationError as error:
         raise UsageProblem(f"the model {file}: {refusal(error)}") from error
 

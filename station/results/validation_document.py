@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from identify.fitting.validation import UsualFrom, Validation, ValidationVerdict
+from identify.fitting.validation import UsualFrom, ValidationVerdict
 from station.results.documents import Document, Number, Part, RefusedSession
 from station.results.models import ModelFile
 
@@ -52,19 +52,3 @@ class ValidationDocument(Document):
     usual_motion_percent: Number
     sessions: list[ValidatedDocument]
     skipped: list[RefusedSession]
-
-
-def validation_document(
-    source: str,
-    fitted_to: tuple[str, ...],
-    model: ModelFile,
-    found: Validation,
-    names: tuple[str, ...],
-    skipped: dict[str, str],
-) -> ValidationDocument:
-    """Make the document of a validation; `names` are those of the sessions predicted, `skipped` says why others were not."""
-    sessions = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
-    why = [RefusedSession(session=name, reason=reason) for name, reason in skipped.items()]
-    return ValidationDocument.of(
-        found, format=1, source=source, fitted_to=fitted_to, model=model, sessions=sessions, skipped=why
-    )

@@ -79,6 +79,24 @@ class Identification:
         """How many samples were lost."""
         return 0 if self.decay.valid is None else int((~self.decay.valid).sum())
 
+    @property
+    def amplitude(self) -> float | None:
+        """How far the mass was from its rest at the release, m or rad, or None.
+
+        Signed where it was held away and the displacement was measured: its mean before the release less its
+        mean over the last tenth of the record. Otherwise the envelope at the start of the ridge.
+        """
+        displacement, rest = self.decay.displacement, self.release.rest
+        if self.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
+            kept = self.decay.known
+            held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
+            tail = slice(len(displacement) - len(displacement) // 10, None)
+            if len(held) and kept[tail].any():
+                return float(np.mean(held) - np.mean(displacement[tail][kept[tail]]))
+        if self.wavelet is not None and len(self.wavelet.envelope):
+            return float(self.wavelet.envelope[0])
+        return None
+
     def rebuilt_decay(self, found: WaveletResult) -> tuple[Array, Array]:
         """Return the measured channel of the wavelet on its times, and the same rebuilt from the parameters, SI."""
         measured = np.asarray(getattr(self.aligned, found.channel))

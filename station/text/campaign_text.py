@@ -4,11 +4,11 @@ import csv
 import io
 from typing import Any
 
-from identify.formatting import DASH, decimals_for, three_figures, with_error
+from identify.formatting import DASH, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.results.documents import picked
 from station.text.content import Table, Told, facts
-from station.text.numbers import probability, scale, typeset_unit, with_unit
+from station.text.numbers import amplitude_words, probability, typeset_unit, with_unit
 
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10
@@ -43,16 +43,12 @@ def _sessions(number: int) -> str:
 
 
 def _charts(charts: list[ChartDocument]) -> Table:
-    rows = tuple(
-        (
-            chart.parameter, _value(chart.centre, chart.spread), three_figures(chart.spread),
-            three_figures(chart.stated), typeset_unit(chart.unit), str(chart.sessions),
-            str(len(chart.outside)) if chart.outside else DASH,
-        )
-        for chart in charts
-    )  # fmt: skip
-    head = ("parameter", "median", "spread", "stated\nerror", "unit", "n", "out")
-    return Table("", head, rows)
+    rows = []
+    for chart in charts:
+        value = with_error(chart.centre, chart.spread) if chart.spread else f"{chart.centre:.6g} ± 0"
+        unit, out = typeset_unit(chart.unit), str(len(chart.outside)) if chart.outside else DASH
+        rows.append((chart.parameter, value, three_figures(chart.stated), unit, str(chart.sessions), out))
+    return Table("", ("parameter", "median ± spread", "stated\nerror", "unit", "n", "out"), tuple(rows))
 
 
 def _few(rows: list[CampaignRow]) -> Table:
@@ -60,18 +56,12 @@ def _few(rows: list[CampaignRow]) -> Table:
     lines = []
     for row in rows:
         known = ", ".join(f"{name} {value:g}" for name, value in row.conditions.items())
-        found, size = row.result, row.result.amplitude
-        estimate = found.parameters.get("wavelet.K")
-        factor, unit = scale("displacement", found.unit)
-        amplitude = DASH if size is None else f"{three_figures(size * factor)} {unit}"
+        found, estimate = row.result, row.result.parameters.get("wavelet.K")
+        amplitude = amplitude_words(found.amplitude, found.unit)
         lines.append(
             (found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate))
         )
     return Table("", ("session", "conditions", "amplitude", "stiffness K"), tuple(lines), texts=4)
-
-
-def _value(value: float, error: float) -> str:
-    return f"{value:.{min(decimals_for(error), 9)}f}" if error > 0.0 and abs(value) < 1e6 else f"{value:.6g}"
 
 
 def _trends(trends: list[TrendDocument]) -> Table:

@@ -1,6 +1,5 @@
 """What the operator sees in the terminal while a board is being recorded."""
 
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -49,9 +48,7 @@ class Watch(CaptureObserver):
         self._live.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._live.stop()
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:

@@ -5,10 +5,10 @@ import numpy as np
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled, three_figures
 from station.story.pipeline import Compared
-from station.story.residual import floor_words, times
-from station.text.content import Table, Told, facts
+from station.story.residual import floor_words
+from station.text.content import Told, facts
 from station.text.layout import sentence
-from station.text.numbers import scale, typeset
+from station.text.numbers import noise_words, typeset
 
 FEW_PLACES = 2
 
@@ -20,6 +20,10 @@ def told(compared: Compared) -> Told:
     noise = (
         f"{three_figures(compared.motion_floor)} % of the motion, {floor_words(error.floor_std)} times the noise, in a "
         f"free run of {three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
+    )
+    force = (
+        f"{three_figures(error.force_mse_percent)} % of its mean square at the measured motion is left; "
+        f"{three_figures(found.force_floor)} % by noise alone"
     )
     places = [(f"{place.significance:.0f} sigma", typeset(place.text)) for place in found.places]
     rows = [
@@ -33,6 +37,11 @@ def told(compared: Compared) -> Told:
         ("", compared.remark),
         ("long record", compared.one_run),
         *places[FEW_PLACES:],
+        (
+            "chi-square",
+            f"{three_figures(error.chi_square)}, the square of the residual over the noise, in all channels",
+        ),
+        ("force", force),
         ("noise", floor_text(compared)),
         ("harmonics", harmonics_text(compared)),
     ]
@@ -40,23 +49,8 @@ def told(compared: Compared) -> Told:
         sentence(f"{compared.words} leaves {compared.left}"),
         "good" if compared.judged.at_floor else "bad",
         facts(rows),
-        (*facts(more), errors(compared)),
+        facts(more),
     )
-
-
-def errors(compared: Compared) -> Table:
-    """Make the table of the three errors, with the value of noise alone and the meaning of each."""
-    seen, error = compared.comparison, compared.error
-    channel = f"the {seen.motion_channel}, a free run"
-    rows = (
-        ("motion", f"{three_figures(error.motion_percent)} %", f"{three_figures(compared.motion_floor)} %",
-         f"residual of {channel}, in % of its rms"),
-        ("residual", times(error.chi_square), floor_words(error.floor_std),
-         f"all channels, times the noise; its square is chi-square, {three_figures(error.chi_square)}"),
-        ("force", f"{three_figures(error.force_mse_percent)} %", f"{three_figures(seen.force_floor)} %",
-         "of the force's mean square, taken at the measured motion"),
-    )  # fmt: skip
-    return Table("", ("error", "model", "noise", "what it is"), rows, wordy=True)
 
 
 def floor_text(compared: Compared) -> str:
@@ -65,8 +59,7 @@ def floor_text(compared: Compared) -> str:
     parts = []
     for name, noise in found.floor.items():
         share = 100.0 * noise.uncertainty / noise.std if noise.std > 0 else float("nan")
-        unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
-        parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
+        parts.append(f"{noise_words(name, noise.std, found.unit)} ± {share:.0f} % ({noise.source})")
     return typeset(f"used by the fit: {'; '.join(parts)}")
 
 

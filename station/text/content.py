@@ -28,7 +28,7 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with its head; the first `texts` columns are words, the others numbers but for a last one of words if `wordy`.
+    """A table with its head; the first `texts` columns are words, the others numbers.
 
     `marks` say what each row is: "named", "weak", "noise", "present", "above", "bad", "unsure", or "" for nothing special.
     """
@@ -37,7 +37,6 @@ class Table:
     head: tuple[str, ...]
     rows: Rows
     texts: int = 1
-    wordy: bool = False
     marks: tuple[str, ...] = ()
     kind: ClassVar[str] = "table"
 

@@ -18,7 +18,7 @@ from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
-from station.text.numbers import scale, typeset, typeset_unit, with_names
+from station.text.numbers import amplitude_words, typeset, typeset_unit, with_names
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
@@ -66,7 +66,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
 
     `full` adds the reason for which each is a suspect, and chi-square. What predictions name together was fitted together.
     """
-    error, named, floor = document.error, document.error_with_named, document.noise_floor
+    error, named = document.error, document.error_with_named
     predicted = document.by_prediction
     reason = ["predicts"] if predicted else ["explains"] * full
     rows = [("", document.model_is, error.motion_percent, error.chi2, "")]
@@ -84,7 +84,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
         for _, name, motion, chi2, word in rows
     ]
     blank = ("",) * (len(reason) + full)
-    cells.append(("noise alone", "", floor_words(floor.chi2_std if floor else None), *blank))
+    cells.append(("noise alone", "", floor_words(error.chi2_std), *blank))
     head = (
         f"residual, free run of {error.horizon_s or 0.0:.1f} s", "% of motion", "times noise", *reason,
         *["chi-square"] * full,
@@ -103,20 +103,6 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     if any(suspect.effect in e.rivals for e in found.effects):
         return "nearly"
     return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
-
-
-def confirmed_by(document: DiagnosisDocument) -> str:
-    """Say on how many other releases, or parts of the record, what is named predicts better, and its error; "" if none."""
-    found = document.confirmation
-    if found is None or not document.confirmed:
-        return ""
-    where = "parts of the record, each predicted from the rest" if found.one_record else "other releases"
-    what = "all but the large amplitudes" if found.one_record else "the prediction"
-    before, after = found.usual.motion_percent, found.found.motion_percent
-    return (
-        f"{found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
-        f"{three_figures(after)} % of the motion"
-    )
 
 
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
@@ -183,28 +169,14 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         ("", document.model_remark),
         ("together", ", ".join(document.sessions) if len(document.sessions) > 1 else ""),
         ("used", used(document)),
-        ("modes", other_modes(document)),
-        ("confirmed", confirmed_by(document)),
+        ("other modes", " and ".join(mode["words"] for mode in document.modes)),
     ]
-    shape = document.shape
-    if shape is not None and shape.coordinates:
-        over = " and ".join(shape.coordinates)
-        found.append(
-            ("shape", f"a free-form force over {over} explains {100 * shape.explained:.0f} % of the residual")
-        )
     left = [
         f"{one.session} {'a run that diverges' if one.chi2 is None else residual_words(one.motion_percent, one.chi2)}"
         for one in document.held_out or ()
     ]
     found.append(("left out", f"fitted to the others, the model leaves in {', '.join(left)}" if left else ""))
     return found
-
-
-def other_modes(document: DiagnosisDocument) -> str:
-    """Say which other modes the record shows; "" for none."""
-    if not document.modes:
-        return ""
-    return f"besides the fitted one: {' and '.join(mode.words for mode in document.modes)}"
 
 
 def _of_effect(parameter: str) -> str:
@@ -244,16 +216,15 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
     """Make a table for the largest and one for the smallest amplitude, an effect a row; none where nothing is known."""
     found = []
     for which, at in zip(("largest", "smallest"), shares, strict=False):
-        factor, unit = scale("displacement", at.unit)
         rows = tuple(
             (one.effect, _cell(one.force), three_figures(one.force_percent.value), _cell(one.loss_percent),
              _cell(one.frequency_percent))
             for one in at.effects
         )  # fmt: skip
-        size = f"{three_figures(factor * (at.amplitude or 0.0))} {unit}"
+        size, force = amplitude_words(at.amplitude, at.unit), typeset_unit(at.effects[0].force.unit)
         head = (
-            f"at {size},\nthe {which}", f"largest force\n{typeset_unit(at.effects[0].force.unit)}",
-            "of all but\nspring, %", "of the loss\n%", "frequency\nchanged by, %",
+            f"at {size},\nthe {which}", f"largest force\n{force}", "of all but\nspring, %", "of the loss\n%",
+            "frequency\nchanged by, %",
         )  # fmt: skip
         found.append(Table("", head, rows))
     return tuple(found)

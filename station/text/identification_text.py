@@ -1,15 +1,17 @@
-"""An identification in words: whether its values may be quoted, both methods side by side, and why."""
+"""A record and its identification in words: how it was sampled, whether its values may be quoted, both methods, and why."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
+from station.story.engineering_values import Weighing
 from station.story.pipeline import Identification
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
-from station.text.numbers import noise_scale, typeset, typeset_unit
-from station.text.record_text import mass_words, sampling
+from station.text.numbers import amplitude_words, noise_words, typeset, typeset_unit
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -37,31 +39,34 @@ def next_command(result: Identification) -> str:
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
-    decay, release, found = result.decay, result.release, result.adequacy
+    decay, found = result.decay, result.adequacy
     names = [*decay.channels, *(() if decay.force is None else ("force",))]
     sampled = sampling(len(decay), decay.rate, decay.rate_std)
+    known = ((name, getattr(decay, f"noise_{name}")) for name in decay.channels)
+    noises = [noise_words(name, noise, decay.unit) for name, noise in known if noise is not None]
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
         ("record", f"{sampled}: {' and '.join(names)}"),
         ("mass", mass_words(result.weighing)),
-        ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
+        ("release", release_words(result)),
         ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
-        ("noise", ", ".join(f"{channel} {noise}" for channel, noise in noise_of(result))),
+        ("noise", f"{', '.join(noises)} rms, before any fit" if noises else ""),
         ("lag", lag_words(result)),
         ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),
         ("clock", "" if result.wavelet is None else typeset(result.wavelet.clock)),
     ]
 
 
-def noise_of(result: Identification) -> list[tuple[str, str]]:
-    """List the channels with the rms of the noise of each, as the record alone shows it."""
-    found = []
-    for name in result.decay.channels:
-        noise = getattr(result.decay, f"noise_{name}")
-        if noise is not None:
-            factor, unit = noise_scale(name, result.decay.unit, noise)
-            found.append((name, f"{three_figures(noise * factor)} {typeset(unit)} rms before any fit"))
-    return found
+def release_words(result: Identification) -> str:
+    """Say when and how the mass was released, how far from its rest, and how long it had been still."""
+    decay, release, size = result.decay, result.release, result.amplitude
+    if decay.driven:
+        return "none: a recorded force drives the motion to the end"
+    words = f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}"
+    if size is not None:
+        words += f", {amplitude_words(size, decay.unit)} from its rest"
+    rest = (release.rest[1] - release.rest[0]) / decay.rate
+    return f"{words}, after {rest:.2f} s at rest" if rest > 0.0 else words
 
 
 def lag_words(result: Identification) -> str:
@@ -76,36 +81,20 @@ def lag_words(result: Identification) -> str:
     return f"displacement {late} by {lag} µs, corrected; gain of the acceleration against it {gain}{caution}"
 
 
-def alignment_rows(result: Identification) -> list[tuple[str, str]]:
-    """Say how the channels lie against each other, how that was found, and what it would have spoiled."""
-    found = result.alignment
-    return [
-        ("lag", sentence(lag_words(result))),
-        ("method", "" if found is None else f"{found.method}; no law of force is used"),
-        ("without it", uncorrected(result)),
-    ]
-
-
 def methods_table(result: Identification, *, full: bool = False) -> Table:
     """Put both methods side by side: each parameter with its error, and by how many joint standard errors they differ.
 
     `full` adds the mean square that each leaves of what it fits, its envelope or its force, which no other residual is.
     """
     both = (result.wavelet, result.restoring_force)
-    rows = [_row("stiffness K", [None if method is None else method.stiffness for method in both])]
-    most = max((len(method.damping) for method in both if method is not None), default=0)
-    for order in range(most):
-        values = [
-            method.damping[order] if method is not None and order < len(method.damping) else None
-            for method in both
-        ]
-        weighed = [result.weighing.strength(value) for value in values]
-        rows.append(_row(typeset(damping_name(order)), weighed))
-    highest = {order for method in both if method is not None for order in method.stiffness_by_order}
-    for order in sorted(highest - {1}):
-        values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
-        if any(value is not None and abs(value.value) > 2 * value.std for value in values):
-            rows.append(_row(f"stiffness of order {order}", values))
+    found = [{} if method is None else method.parameters for method in both]
+    rows = []
+    for name in dict.fromkeys(name for values in found for name in values):
+        values = [one.get(name) for one in found]
+        if name.startswith("stiffness of") and not any(v and abs(v.value) > 2 * v.std for v in values):
+            continue
+        weighed = values if "stiffness" in name else [result.weighing.strength(value) for value in values]
+        rows.append(_row(typeset(name), weighed))
     force = result.restoring_force
     if force is not None and force.mass is not None:
         rows.append(_row("mass, by the force", [None, force.mass]))
@@ -151,3 +140,30 @@ def uncorrected(result: Identification) -> str:
     values = (weighing.strength(one) for one in (wrong, right))
     said = " instead of ".join(f"{one.value:.4g} {typeset_unit(one.unit)}" for one in values)
     return f"the restoring force would have given {typeset(damping_name(1))} = {said}"
+
+
+def sampling(samples: int, rate: float, rate_std: float | None) -> str:
+    """Return "2240 samples at 256.000 ± 0.003 Hz (8.75 s)"; without an error the rate is taken as exact, which is said."""
+    hertz = with_error(rate, rate_std) if rate_std else f"{rate:.8g}"
+    given = "" if rate_std else ", the rate taken as exact"
+    return f"{samples} samples at {hertz} Hz ({samples / rate:.4g} s){given}"
+
+
+def mass_words(weighing: Weighing) -> str:
+    """Write the mass with its error, or that there is none."""
+    if weighing.mass is None:
+        return weighing.words
+    mass = with_error(weighing.mass, weighing.mass_std) if weighing.mass_std else f"{weighing.mass:g}"
+    return f"{mass} {'kg m²' if weighing.unit == 'rad' else 'kg'}"
+
+
+def flagged_lines(flags: Iterable[dict[str, Any]], rate: float) -> list[str]:
+    """Return a line for each channel and flag of runs (`channel`, `flag`, `first`, `count`) at `rate` Hz."""
+    found: dict[tuple[str, str], list[tuple[int, int]]] = {}
+    for run in flags:
+        found.setdefault((run["channel"], run["flag"]), []).append((run["first"], run["count"]))
+    return [
+        f"{channel}: {flag}, {sum(count for _, count in spans)} samples"
+        f" from {spans[0][0] / rate:.3f} to {(spans[-1][0] + spans[-1][1]) / rate:.3f} s"
+        for (channel, flag), spans in found.items()
+    ]

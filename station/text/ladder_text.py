@@ -11,7 +11,7 @@ from station.text.content import Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import change, typeset, with_unit
 
-MOST_CHANGED, FEW_CHANGED = 3, 2
+MOST_CHANGED = 2
 NOTICED = 2.0
 
 
@@ -28,8 +28,7 @@ def told(ladder: KeptLadder, weighing: Weighing) -> Told:
     return Told(
         sentence(ladder.stopped_because) or "The residual, step by step",
         "good" if ladder.top.at_floor else "",
-        (steps_table(ladder), *facts((*rows[:FEW_CHANGED], ("above", going)))),
-        facts(rows[FEW_CHANGED:]),
+        (steps_table(ladder), *facts((*rows, ("above", going)))),
     )
 
 
@@ -43,7 +42,7 @@ def steps_table(ladder: KeptLadder) -> Table:
             (str(place), step_words(step), three_figures(error.motion_percent), times(error.chi2), fell)
         )
         marks.append("above" if place > ladder.present else "present" if place == ladder.present else "")
-    floor = floor_words(ladder.top.chi2_std)
+    floor = floor_words(ladder.top.error.chi2_std)
     rows.append(("", "noise alone", three_figures(ladder.noise.motion_percent), floor, ""))
     head = ("step", "effect", "% of motion", "times noise", "change")
     return Table("", head, tuple(rows), texts=2, marks=(*marks, "noise"))

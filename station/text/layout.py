@@ -98,7 +98,7 @@ def grid(table: Table, width: int) -> Grid:
     )
     columns = []
     for place, cells in enumerate(zip(table.head, *table.rows, strict=True)):
-        words = place < table.texts or (table.wordy and place == len(table.head) - 1)
+        words = place < table.texts
         parts = [
             part for cell in cells for part in (_plain(cell).split() if words else _plain(cell).splitlines())
         ]

@@ -5,15 +5,10 @@ import re
 from collections.abc import Mapping
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import DASH, SPACE, Estimated, quantities, quantity
+from identify.formatting import DASH, SPACE, Estimated, quantities, quantity, scaled, three_figures
 
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-
-
-def or_nan(value: float | None) -> float:
-    """Write nan where a number is not known."""
-    return math.nan if value is None else value
 
 
 def with_unit(found: Estimated) -> str:
@@ -63,10 +58,17 @@ def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
     return 1.0, f"{unit}/s" if channel == "velocity" else f"{unit}/s^2"
 
 
-def noise_scale(channel: str, unit: str, noise: float) -> tuple[float, str]:
-    """Return the scale in which a channel's noise is shown: the fine one unless that makes a thousand or more of it."""
-    fine = scale(channel, unit, fine=True)
-    return fine if noise * fine[0] < 1000.0 else scale(channel, unit)
+def amplitude_words(size: float | None, unit: str) -> str:
+    """Write a displacement without its sign: "25.0 mm"."""
+    factor, shown = scale("displacement", unit)
+    return DASH if size is None else f"{three_figures(abs(size) * factor)} {typeset_unit(shown)}"
+
+
+def noise_words(channel: str, noise: float, unit: str) -> str:
+    """Write the rms of a channel's noise, `unit` being that of the displacement: "displacement 5 µm"."""
+    return typeset(
+        f"{channel} {scaled(noise, unit if channel == 'displacement' else scale(channel, unit)[1])}"
+    )
 
 
 def scale_as_recorded(quantity: str, unit: str) -> tuple[float, str]:
@@ -86,15 +88,10 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
 def typeset(text: str) -> str:
     """Return a sentence with raised powers, Greek letters and the signs that a terminal has no letters for."""
     raised = re.sub(r"\^(-?\d+)", lambda found: found.group(1).translate(_RAISED), text)
-    greek = re.sub(r"\bmu_(\d)\b", lambda found: f"μ{lowered(int(found.group(1)))}", raised)
-    return re.sub(r"\bu(m|s|J|N)\b", r"µ\1", greek).replace("+-", "±")
+    greek = re.sub(r"\bmu_(\d)\b", lambda found: f"μ{found.group(1).translate(_LOWERED)}", raised)
+    return re.sub(r"\bu(m|s|J|N|V|rad)\b", r"µ\1", greek).replace("+-", "±")
 
 
 def typeset_unit(text: str) -> str:
     """Return a unit with raised powers: m/s^2 becomes m/s²; "1" (a pure number) becomes nothing."""
     return "" if text == "1" else typeset(text).replace(" ", SPACE)
-
-
-def lowered(number: int) -> str:
-    """Return a number as an index."""
-    return str(number).translate(_LOWERED)

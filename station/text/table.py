@@ -1,20 +1,17 @@
 """The paper's Table 1 (each release) and Table 2 (mean and standard deviation), for any number of sessions."""
 
-import io
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean, stdev
 from typing import Any
 
-from rich.console import Console
-
+from identify.estimate import Estimate
 from identify.formatting import DASH, SPACE, with_error
-from station.results import documents
-from station.results.documents import EstimateDocument
 from station.story.engineering_values import UNKNOWN, Weighing
+from station.story.pipeline import Identification
 from station.text.content import Paragraph, Table
-from station.text.layout import show_parts
-from station.text.numbers import scale, typeset, typeset_unit
+from station.text.numbers import amplitude_words, typeset, typeset_unit
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -54,21 +51,24 @@ class Tables:
         return "" if all(row["quotable"] for row in self.table_1) else DO_NOT_QUOTE
 
 
-def make_tables(documents: list[dict[str, Any]], *, plain: bool = False) -> Tables:
-    """Make both tables of identified sessions, which share their units; mu_i in `plain` ones, for JSON, is per unit mass."""
-    cells = [_cells_of(document, plain) for document in documents]
-    units = {key.rpartition(" ")[0]: one["unit"] for found in cells for key, one in found.items()}
+def make_tables(found: Sequence[tuple[str, Identification]], *, plain: bool = False) -> Tables:
+    """Make both tables of identified sessions, each by its name, which share their units.
+
+    In `plain` ones, for JSON, mu_i is per unit mass.
+    """
+    cells = [_cells_of(result, UNKNOWN if plain else result.weighing) for _, result in found]
+    units = {key.rpartition(" ")[0]: one.unit for known in cells for key, one in known.items()}
     units |= {"K": units.pop("K")} if units else {}
     keys = [f"{name} ({label})" for name in units for label in METHODS]
     table_1: list[Row] = [
         {
-            "session": document["session"],
-            "amplitude": document["release"]["amplitude"],
-            "amplitude_unit": document["record"]["unit"],
-            "quotable": document["adequacy"] is None or document["adequacy"]["quotable"],
-            **{key: found.get(key) for key in keys},
+            "session": name,
+            "amplitude": result.amplitude,
+            "amplitude_unit": result.decay.unit,
+            "quotable": result.adequacy is None or result.adequacy.quotable,
+            **{key: known.get(key) for key in keys},
         }
-        for document, found in zip(documents, cells, strict=True)
+        for (name, result), known in zip(found, cells, strict=True)
     ]
     table_2 = [
         {"method": label} | {name: _mean([r[f"{name} ({label})"] for r in table_1]) for name in units}
@@ -77,26 +77,23 @@ def make_tables(documents: list[dict[str, Any]], *, plain: bool = False) -> Tabl
     return Tables(units, table_1, table_2)
 
 
-def _cells_of(document: dict[str, Any], plain: bool) -> dict[str, Row]:
+def _cells_of(result: Identification, weighing: Weighing) -> dict[str, Estimate]:
     """Return the estimates of a session by "K (WT)"."""
-    found, record = {}, document["record"]
-    weighing = UNKNOWN if plain else Weighing(record["mass_kg"], record["mass_std_kg"], record["unit"])
-    for label, method in zip(METHODS, (document["wavelet"], document["restoring_force"]), strict=True):
+    found = {}
+    for label, method in zip(METHODS, (result.wavelet, result.restoring_force), strict=True):
         if method is not None:
-            found[f"K ({label})"] = method["stiffness"]
-            for order, one in enumerate(method["damping"]):
-                whole = weighing.strength(EstimateDocument.model_validate(one))
-                found[f"mu_{order} ({label})"] = documents.plain(whole)
+            found[f"K ({label})"] = method.stiffness
+            found |= {f"mu_{n} ({label})": weighing.strength(one) for n, one in enumerate(method.damping)}
     return found
 
 
-def _mean(cells: list[Row | None]) -> Row | None:
-    known = [cell for cell in cells if cell is not None and cell["value"] is not None]
+def _mean(cells: list[Estimate | None]) -> Row | None:
+    known = [cell for cell in cells if cell is not None and math.isfinite(cell.value)]
     if not known:
         return None
-    values = [cell["value"] for cell in known]
+    values = [cell.value for cell in known]
     std = stdev(values) if len(values) > 1 else math.nan
-    return {"mean": fmean(values), "std": std, "unit": known[0]["unit"]}
+    return {"mean": fmean(values), "std": std, "unit": known[0].unit}
 
 
 def told(tables: Tables) -> tuple[Table, ...]:
@@ -106,7 +103,7 @@ def told(tables: Tables) -> tuple[Table, ...]:
     rows = tuple(
         (
             f"{row['session']}{'' if row['quotable'] else '*'}",
-            _amplitude(row),
+            amplitude_words(row["amplitude"], row["amplitude_unit"]),
             *(_cell(row[c]) for c in columns),
         )
         for row in tables.table_1
@@ -127,22 +124,18 @@ def told(tables: Tables) -> tuple[Table, ...]:
     return first, Table(caption, ("", "unit", *METHODS), means, texts=2)
 
 
-def _amplitude(row: Row) -> str:
-    if row["amplitude"] is None:
-        return DASH
-    factor, unit = scale("displacement", row["amplitude_unit"])
-    return f"{abs(row['amplitude']) * factor:.4g} {unit}"
-
-
-def _cell(cell: Row | None) -> str:
+def _cell(cell: Estimate | Row | None) -> str:
     if cell is None:
         return DASH
-    value, std, _ = cell.values()
-    return with_error(value, std) if std is None or math.isfinite(std) else f"{value:.4g} (one)"
+    if isinstance(cell, Estimate):
+        return with_error(cell.value, cell.std)
+    return (
+        with_error(cell["mean"], cell["std"]) if math.isfinite(cell["std"]) else f"{cell['mean']:.4g} (one)"
+    )
 
 
-def in_pieces(tables: Tables) -> list[Table]:
-    """Make both tables for a narrow place: Table 1 in pieces of one parameter each."""
+def in_pieces(tables: Tables) -> list[Table | Paragraph]:
+    """Make both tables for a narrow place, Table 1 in pieces of one parameter each, and the note under them."""
     first, *second = told(tables)
     pieces = [
         replace(
@@ -153,15 +146,7 @@ def in_pieces(tables: Tables) -> list[Table]:
         )
         for place in range(2, len(first.head), 2)
     ]
-    return [*pieces, *second]
-
-
-def as_text(tables: Tables) -> str:
-    """Write both tables as text within 80 columns."""
-    out = io.StringIO()
-    console = Console(file=out, width=80, highlight=False, no_color=True)
-    show_parts(console, [*in_pieces(tables), *([Paragraph(tables.doubt)] if tables.doubt else [])])
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+    return [*pieces, *second, *([Paragraph(tables.doubt)] if tables.doubt else [])]
 
 
 def as_latex(tables: Tables) -> str:

@@ -34,13 +34,13 @@ def predictions(document: ValidationDocument) -> Table:
     rows, marks = [], []
     for one in document.sessions[:MOST_ROWS]:
         word = "better" if one.better else "worse" if one.worse else "alike"
-        noise = [None if m.chi2 is None else noise_multiple(m.chi2) for m in (one.usual, one.model)]
-        motion = (one.usual.motion_percent, one.model.motion_percent)
-        rows.append((one.session, *(left(value) for value in (*motion, *noise)), word))
+        both = (one.usual, one.model)
+        errors = (*(m.motion_percent for m in both), *(noise_multiple(m.chi2) for m in both))
+        rows.append((one.session, word, *map(left, errors)))
         marks.append("noise" if one.better else "")
-    head = ("session", "% of motion,\nusual model", "\nthis model", "times noise,\nusual model", "\nthis model",
-            "this one\nis")  # fmt: skip
-    return Table("", head, tuple(rows), wordy=True, marks=tuple(marks))
+    head = ("session", "this one\nis", "% of motion,\nusual model", "\nthis model", "times noise,\nusual model",
+            "\nthis model")  # fmt: skip
+    return Table("", head, tuple(rows), texts=2, marks=tuple(marks))
 
 
 def _refitted(document: ValidationDocument) -> str:
@@ -61,4 +61,4 @@ def _refitted(document: ValidationDocument) -> str:
 
 def left(value: float | None) -> str:
     """Write what a model leaves, or that its run diverges."""
-    return "diverges" if value is None or math.isinf(value) else three_figures(value)
+    return "diverges" if value is None or not math.isfinite(value) else three_figures(value)

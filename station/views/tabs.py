@@ -16,7 +16,8 @@ from station.story.measured_curves import measured_curves
 from station.story.pipeline import Identification
 from station.text import ladder_text
 from station.text.content import Equation, Paragraph, facts, markdown
-from station.text.identification_text import alignment_rows, told
+from station.text.identification_text import lag_words, told, uncorrected
+from station.text.layout import sentence
 from station.text.numbers import scale, typeset, with_unit
 from station.views import identification_figures as figures, log, palette
 from station.views.comparison_figures import front
@@ -84,7 +85,7 @@ def _states(stream: rr.RecordingStream, result: Identification) -> rrb.View:
 
 def alignment(stream: rr.RecordingStream, look: Look, name: str, result: Identification) -> rrb.Container:
     """Show the channels over each other before and after, and what the lag would have spoiled."""
-    words = markdown(facts(alignment_rows(result)))
+    words = markdown(facts([("lag", sentence(lag_words(result))), ("without it", uncorrected(result))]))
     views = [log.markdown(stream, "Lag", "/alignment/text", words)]
     shown = overlay(result)
     if shown is None:

@@ -14,7 +14,7 @@ from identify.planning.next_release import Limits
 from station.exits import sentence_of
 from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
 from station.operations.new_session import capture_settings, new_folder, session_info
-from station.report.guided import finish
+from station.report.write import finish_guided
 from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
@@ -100,7 +100,7 @@ class GuideRun(CaptureObserver):
                 test = replace(self._test, port=port)
                 document = guide(test, self, lambda: self._ended)
             self.now = replace(self.now, capture="writing the report")
-            document = finish(test, document)
+            document = finish_guided(test, document)
             last = f"{ENDINGS[document.state][0]}. {document.words}"
             self.now = replace(
                 self.now, to_do=last, why=f"All of it: {document.folder}", capture="", finished=True

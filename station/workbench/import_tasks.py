@@ -9,7 +9,7 @@ from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import read_table
 from daq.importing.recipe import Recipe
-from station.campaign import files as campaign_files
+from station.campaign import sources as campaign_sources
 from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.exits import UsageProblem
@@ -84,10 +84,12 @@ def _campaign(
     varies: str,
 ) -> Imported:
     info = session_info(settings, mass, varies=varies.split(","))
-    form = campaign_files.Names(names) if names.strip() else None
+    form = campaign_sources.Names(names) if names.strip() else None
     lines: list[str] = []
     made = []
-    for folder in campaign_files.import_files(files, settings.sessions, recipe, form, {}, info, lines.append):
+    for folder in campaign_sources.import_files(
+        files, settings.sessions, recipe, form, {}, info, lines.append
+    ):
         say(f"read as {folder.name}")
         made.append(str(folder))
     if not made:

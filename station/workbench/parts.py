@@ -8,7 +8,7 @@ from jinja2 import Environment, StrictUndefined
 
 from identify.formatting import plain_name
 from station.story.residual import floor_words, times
-from station.text.diagnosis_text import confirmed_by, found_in_sensor, not_distinguishable
+from station.text.diagnosis_text import found_in_sensor, not_distinguishable
 from station.text.guide_text import odds_before, percent
 from station.text.layout import sentence
 from station.text.numbers import typeset, with_names
@@ -28,7 +28,7 @@ def _macros() -> Any:
     environment.filters |= {
         "plain": plain_name, "begun": begun, "times": times, "floor": floor_words, "typeset": typeset,
         "named": with_names, "share": share, "explains": explains, "sentence": sentence,
-        "confirmed": confirmed_by, "alike": not_distinguishable, "fault": found_in_sensor,
+        "alike": not_distinguishable, "fault": found_in_sensor,
         "percent": percent, "odds_before": odds_before,
     }  # fmt: skip
     text = files("station.workbench").joinpath("parts.html").read_text(encoding="utf-8")

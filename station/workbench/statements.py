@@ -62,8 +62,7 @@ def says_of(view: View, summary: str) -> dict[str, Drawing]:
 
 def explains(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     """Say how much a suspect would explain of what the model leaves in all releases that were diagnosed."""
-    floor = document.noise_floor
-    return explained_words(document.error.chi2, suspect.error_after, floor.chi2_std if floor else None)
+    return explained_words(document.error.chi2, suspect.error_after, document.error.chi2_std)
 
 
 def _step(view: View, place: int, step: KeptStep, summary: str) -> Drawing:

@@ -170,7 +170,7 @@ def _tried(opened: Opened, wanted: str) -> Drawn:
     name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
     ladder = opened.refinement.ladder
-    words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.chi2_std)
+    words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.error.chi2_std)
     says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
 

@@ -64,26 +64,25 @@ def identified(settings: Settings, say: Say, folder: Path, others: tuple[Path, .
     """Tell what both methods find in a session, beside others in the tables; those that hold too little say why."""
     say(f"identifying {folder.name}")
     session = Session.open(folder)
-    result, document = identify_session(session, settings, say)
-    documents, left_out, own = [document], [], document["record"]
+    result, _ = identify_session(session, settings, say)
+    results, left_out, own = [(folder.name, result)], [], result.decay
     for place, other in enumerate(others):
         say(f"identifying {other.name}: {place + 1} of {len(others)}")
         try:
-            found = identify_session(Session.open(other), settings, say)[1]
+            found, _ = identify_session(Session.open(other), settings, say)
         except (NotIdentifiable, Problem) as refusal:
             left_out.append((other.name, f"left out: {refusal}"))
             continue
-        record = found["record"]
-        if record["unit"] != own["unit"] or (record["mass_kg"] is None) != (own["mass_kg"] is None):
+        if found.decay.unit != own.unit or (found.decay.mass is None) != (own.mass is None):
             left_out.append((other.name, "left out: its parameters have other units"))
         else:
-            documents.append(found)
+            results.append((other.name, found))
     words, ladder, adequacy = (
         identification_text.told(folder.name, result),
         read_ladder(session),
         result.adequacy,
     )
-    tables = table.in_pieces(table.make_tables(documents)) if len(documents) > 1 else []
+    tables = table.in_pieces(table.make_tables(results)) if len(results) > 1 else []
     parts = (*words.brief, *tables, *facts(left_out))
     if ladder is not None and ladder.top.at_floor and adequacy and not (adequacy.doubt or adequacy.quotable):
         current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"

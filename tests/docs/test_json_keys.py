@@ -8,8 +8,8 @@ from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
+from station.operations.comparing import comparison_document
 from station.results.campaign_document import CampaignDocument
-from station.results.comparison_document import comparison_document
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.documents import Document
 from station.results.guide_document import GuideDocument
@@ -24,7 +24,6 @@ OF_EVERY_DOCUMENT = {
     "format",
     "session",
     "sessions",
-    "together",
     "rivals",
     "expressions",
     "model_is",

@@ -422,7 +422,7 @@ def test_a_file_of_effects_is_read(tmp_path):
         ("EFFECTS = (3,)", "entry 1 of EFFECTS is int"),
         ("raise SystemExit", "line 1: it ends the program"),
         ("from nowhere_at_all import x", "ModuleNotFoundError"),
-        (GOOD + "\nEFFECTS = EFFECTS[:1] * 2", "two effects are called magnet"),
+        (GOOD + "\nEFFECTS = EFFECTS[:1] * 2", "another effect is called magnet too"),
         ("x = '\0'", "mine.py"),
     ],
 )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from daq.session import Session
-from station.campaign.files import Names
+from station.campaign.sources import Names
 from station.cli import run as station
 from station.exits import UsageProblem
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from many_sessions import deadly, slowly, work_called
 
-from station.campaign.workers import KILLED, performed
+from station.campaign.run import KILLED, performed
 
 HERE = str(Path(__file__).parent)
 
@@ -52,7 +52,7 @@ def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch)
 ORPHANS = """
 import multiprocessing, os, signal
 from many_sessions import slowly, work_called
-from station.campaign.workers import performed
+from station.campaign.run import performed
 if __name__ == "__main__":
     answers = performed([work_called("first"), work_called("second")], 1, slowly)
     next(answers)

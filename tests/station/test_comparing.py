@@ -110,3 +110,11 @@ def test_every_effect_tells_of_itself_within_80_columns(effect, capsys):
 def test_an_unknown_effect_is_answered_with_where_the_names_are(capsys):
     assert run(["effects", "bogus"]) != 0
     assert "see `station effects`" in capsys.readouterr().err
+
+
+def test_effects_in_json_have_their_parameters_and_what_they_borrow(capsys):
+    assert run(["effects", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)["effects"]
+    assert [one["name"] for one in listed] == [effect.name for effect in LIBRARY]
+    assert all(one["parameters"] and one["tell"] and one["proof"] for one in listed)
+    assert any(one["borrows"] for one in listed)

@@ -7,8 +7,9 @@ from identify.estimate import Estimate
 from identify.formatting import SPACE, odds_words, three_figures, with_error
 from station.story.engineering_values import UNKNOWN, Weighing
 from station.text.numbers import (
+    amplitude_words,
     energy_scale,
-    noise_scale,
+    noise_words,
     scale,
     scale_as_recorded,
     typeset,
@@ -17,11 +18,15 @@ from station.text.numbers import (
 
 
 def test_noise_is_shown_in_the_unit_that_its_size_asks_for():
-    assert noise_scale("displacement", "m", 3e-6) == (1e6, "um")
-    assert noise_scale("displacement", "m", 0.0304) == (1e3, "mm")
-    assert noise_scale("displacement", "rad", 0.02) == (1e3, "mrad")
-    assert noise_scale("displacement", "count", 0.997) == (1.0, "count")
-    assert noise_scale("acceleration", "m", 0.5) == scale("acceleration", "m")
+    assert noise_words("displacement", 3e-6, "m") == "displacement 3 µm"
+    assert noise_words("displacement", 2e-3, "rad") == "displacement 2 mrad"
+    assert noise_words("displacement", 0.997, "count") == "displacement 1 count"
+    assert noise_words("acceleration", 0.5, "m") == "acceleration 0.5 m/s²"
+
+
+def test_an_amplitude_has_no_sign_and_is_in_mm():
+    assert amplitude_words(-0.025, "m") == "25.0 mm"
+    assert amplitude_words(None, "m") == "-"
 
 
 def test_what_is_not_known_is_said_so():

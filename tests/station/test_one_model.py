@@ -110,7 +110,11 @@ def test_one_record_has_one_floor_whatever_model_is_judged(chosen, capsys):
     usual = said(capsys, "compare", "duffing", "--model", "usual", "--json")
     refinement = open_refinement(chosen, Settings(), reset=True)
     ladder = add(refinement, "quadratic_damping")
-    stated = [kept["adequacy"]["chi2_std"], usual["error"]["chi2_std"], *(r.chi2_std for r in ladder.steps)]
+    stated = [
+        kept["adequacy"]["chi2_std"],
+        usual["error"]["chi2_std"],
+        *(r.error.chi2_std for r in ladder.steps),
+    ]
     assert stated == pytest.approx([width] * len(stated))
 
 

@@ -1,8 +1,15 @@
 """The paper's tables: Table 1 line by line, Table 2 its mean and standard deviation, as text, LaTeX and JSON."""
 
-import pytest
+import io
+from types import SimpleNamespace
 
+import pytest
+from rich.console import Console
+
+from identify.estimate import Estimate
+from station.story.engineering_values import Weighing
 from station.text import table
+from station.text.layout import show_parts
 
 # The paper's Table 1, its nine releases: mu_0, mu_1, K by the wavelet and by the restoring force.
 WT = [
@@ -16,29 +23,30 @@ RFS = [
 AMPLITUDES = (-0.025, -0.02, -0.015, -0.005, 0.02, 0.025, None, None, None)
 
 
-def document(name, amplitude, mass, wavelet, restoring_force):
-    """Return an identification as it is kept, of which the tables need little."""
-    return {
-        "session": name, "record": {"unit": "m", "mass_kg": mass, "mass_std_kg": None}, "release": {"amplitude": amplitude},
-        "wavelet": wavelet and method(wavelet), "restoring_force": method(restoring_force), "adequacy": None,
-    }  # fmt: skip
-
-
-def value(amount, unit, std=0.001):
-    return {"value": amount, "std": std, "unit": unit}
+def identified(amplitude, mass, wavelet, restoring_force):
+    """Return an identification, of which the tables need little."""
+    return SimpleNamespace(
+        amplitude=amplitude, decay=SimpleNamespace(unit="m"), weighing=Weighing(mass), adequacy=None,
+        wavelet=wavelet and method(wavelet), restoring_force=restoring_force and method(restoring_force),
+    )  # fmt: skip
 
 
 def method(values):
     mu_0, mu_1, stiffness = values
-    return {
-        "stiffness": value(stiffness, "N/m", 1.0), "damping": [value(mu_0, "m/s^2"), value(mu_1, "1/s", 0.002)],
-    }  # fmt: skip
+    damping = (Estimate(mu_0, 0.001, "m/s^2"), Estimate(mu_1, 0.002, "1/s"))
+    return SimpleNamespace(stiffness=Estimate(stiffness, 1.0, "N/m"), damping=damping)
+
+
+def as_text(tables):
+    out = io.StringIO()
+    show_parts(Console(file=out, width=80), table.in_pieces(tables))
+    return out.getvalue()
 
 
 @pytest.fixture
 def documents():
     return [
-        document(f"release_{number}", amplitude, 21.36, wt, rfs)
+        (f"release_{number}", identified(amplitude, 21.36, wt, rfs))
         for number, (wt, rfs, amplitude) in enumerate(zip(WT, RFS, AMPLITUDES, strict=True), start=1)
     ]
 
@@ -66,7 +74,7 @@ def test_table_2_of_the_papers_table_1_is_the_papers_table_2(plain):
 
 
 def test_text_names_every_release_and_both_methods_within_80_columns(tables):
-    text = table.as_text(tables)
+    text = as_text(tables)
     assert all(f"release_{number}" in text for number in range(1, 10))
     assert "13115" in text
     assert "N/m" in text
@@ -81,8 +89,8 @@ def test_latex_has_as_many_cells_in_every_line_as_in_its_head(tables):
 
 
 def test_json_has_both_tables_with_units(plain):
-    assert plain.table_1[0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
-    assert plain.table_1[0]["mu_1 (WT)"] == {"value": 0.28, "std": 0.002, "unit": "1/s"}
+    assert plain.table_1[0]["K (WT)"] == Estimate(13104, 1.0, "N/m")
+    assert plain.table_1[0]["mu_1 (WT)"] == Estimate(0.28, 0.002, "1/s")
     assert plain.table_2[0]["method"] == "WT"
     assert plain.table_2[1]["K"]["unit"] == "N/m"
 
@@ -90,23 +98,21 @@ def test_json_has_both_tables_with_units(plain):
 def test_people_read_friction_and_damping_in_newtons_where_the_mass_is_known(tables, plain):
     assert tables.units == {"mu_0": "N", "mu_1": "N s/m", "K": "N/m"}
     assert tables.table_2[0]["mu_0"]["mean"] == pytest.approx(21.36 * plain.table_2[0]["mu_0"]["mean"])
-    without = table.make_tables([document("a", 0.01, None, WT[0], RFS[0])])
+    without = table.make_tables([("a", identified(0.01, None, WT[0], RFS[0]))])
     assert without.units == {"mu_0": "m/s^2", "mu_1": "1/s", "K": "N/m"}
 
 
 def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
-    documents = [document("a", 0.01, 1.0, None, (0.1, 0.2, 100.0))]
+    documents = [("a", identified(0.01, 1.0, None, (0.1, 0.2, 100.0)))]
     tables = table.make_tables(documents)
     assert tables.table_1[0]["mu_0 (WT)"] is None
     assert tables.table_2[0] == {"method": "WT", "mu_0": None, "mu_1": None, "K": None}
-    for text in (table.as_text(tables), table.as_latex(tables)):
+    for text in (as_text(tables), table.as_latex(tables)):
         assert "100" in text
 
 
 def test_releases_of_which_neither_method_found_anything_are_told_all_the_same():
-    documents = [
-        document(name, 0.01, 1.0, None, (0.1, 0.2, 100.0)) | {"restoring_force": None} for name in "ab"
-    ]
+    documents = [(name, identified(0.01, 1.0, None, None)) for name in "ab"]
     tables = table.make_tables(documents)
     assert tables.units == {}
     assert [row["session"] for row in tables.table_1] == ["a", "b"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.campaign.trend import find_trend, sure_ones
+from station.campaign.statistics import find_trend, sure_ones
 
 
 def test_the_slope_is_that_of_weighted_least_squares():

@@ -62,7 +62,9 @@ def bench(tmp_path_factory):
 @pytest.fixture(scope="module")
 def kept(bench):
     """Return the bench where the session "a" keeps the true model as its ladder's present step."""
-    step = KeptStep(model=model_file(), error={}, chi2_std=0.05, nuisances={})
+    step = KeptStep(
+        model=model_file(), error={"chi2_std": 0.05}, nuisances={}, floor_percent=0.5, at_floor=True
+    )
     write_ladder(
         Session.open(bench / "sessions" / "a"), KeptLadder(format=1, steps=(step,), present=0, floor={})
     )

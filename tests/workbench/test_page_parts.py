@@ -79,7 +79,11 @@ def joint(effects, **numbers):
         "plausible": True,
         "claimed": True,
     }
-    known = {"verdict": "missing_effect", "named": ["cubic_stiffness"], "error": {"chi2": 100.0}}
+    known = {
+        "verdict": "missing_effect",
+        "named": ["cubic_stiffness"],
+        "error": {"chi2": 100.0, "chi2_std": 0.05},
+    }
     known |= {"suspects": [suspect | {"model": None, "motion_percent": 1.0} | numbers]}
     known |= {"noise_floor": {"chi2_std": 0.05, "channels": {}}}
     return DiagnosisDocument.model_validate(

@@ -1,4 +1,4 @@
-"""A trend: a straight line through values, weighted by their errors and by the scatter between sessions."""
+"""What a series of values shows: control limits of an individuals chart, and a straight line with its significance."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,12 +7,34 @@ from scipy import optimize, stats
 from identify.arrays import Array
 from station.results.campaign_document import Trend
 
-FEWEST = 5
-FEWEST_PLACES = 3
+MEDIAN_RANGE = 0.9539
+"""Median of the range of two values from a normal distribution, in standard deviations: sqrt 2 * 0.6745."""
+
+WIDTH = 3.0
+FEWEST, FEWEST_PLACES = 5, 3
+
 FAR = 5.0
 """Standard deviations off the robust line from which on a value is left out: it is an outlier, not the trend."""
 
 MOST_PAIRED = 800
+
+
+def control_limits(values: Array) -> tuple[float, float, NDArray[np.bool_]] | None:
+    """Find centre and spread of values (n,) in the order in which they were made, and which are outside three spreads.
+
+    None for fewer than five. Centre is the median, spread the median moving range / 0.954: the chart of individuals in its
+    robust form (Montgomery, Statistical Quality Control, 6.4), of which a single outlier moves neither. A drift does not
+    widen the limits: it leaves them. Where more than half of the values repeat, the spread is that of their absolute
+    deviations, and 0 where these vanish too; nothing is outside then but what differs.
+    """
+    if len(values) < FEWEST:
+        return None
+    centre = float(np.median(values))
+    spread = float(np.median(np.abs(np.diff(values)))) / MEDIAN_RANGE
+    if spread == 0.0:
+        spread = float(np.median(np.abs(values - centre))) / 0.6745
+    slack = 1e-12 * max(abs(centre), float(np.max(np.abs(values))))
+    return centre, spread, np.abs(values - centre) > WIDTH * spread + slack
 
 
 def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
