@@ -6,7 +6,6 @@ from typing import Any
 from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.current_model import current_model
-from station.operations.record_floor import with_floor
 from station.output import progress
 from station.own_effects import whole_library
 from station.results.comparison_document import NAME, comparison_document
@@ -32,7 +31,7 @@ def compare_session(
     Returns the comparison and its document.
     """
     if prepared is None:
-        prepared = with_floor(session, prepare_session(session, settings))
+        prepared = prepare_session(session, settings)
     current = current_model((session,), model_file, whole_library(effects_file))
     compared = compare(session.folder.name, prepared, current)
     document = comparison_document(compared)

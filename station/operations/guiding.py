@@ -21,7 +21,6 @@ from station.exits import UsageProblem
 from station.operations.diagnosing import keep
 from station.operations.new_session import metres
 from station.operations.provisional import Provisional
-from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.documents import picked
@@ -105,7 +104,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             told = _again(told, rejected, limits, [one.problem for one in turns])
         else:
             try:
-                prepared = with_floor(session, prepare_session(session, test.settings))
+                prepared = prepare_session(session, test.settings)
                 trial = SessionSet((*sessions, session), (*decays, prepared))
                 found = diagnose(trial.decays)
             except NotIdentifiable as refusal:

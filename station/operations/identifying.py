@@ -10,14 +10,13 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
-from station.operations.record_floor import with_floor
 from station.results.documents import keep_document
 from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
 from station.story.pipeline import Progress, identify, silent, with_adequacy
-from station.story.preparation import Options, locate, options_for, prepare_recording
+from station.story.preparation import Options, locate, options_for, prepare_recording, with_floor
 
 if TYPE_CHECKING:
     from station.views.log import Tab
@@ -43,7 +42,7 @@ def identify_session(
         doubt = ""
     try:
         progress("fitting the identified model")
-        prepared = with_floor(session, prepare_recording(recording, options, found=found))
+        prepared = with_floor(prepare_recording(recording, options, found=found))
         result = with_adequacy(result, prepared, doubt)
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})

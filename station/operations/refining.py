@@ -22,7 +22,6 @@ from identify.judging.nonparametric_force import curve_of_rest
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
-from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
@@ -68,7 +67,7 @@ def open_refinement(
     library = whole_library(effects_file)
     replaced = seen(session, LADDER) if reset or model_file is not None else None
     ladder = None if reset or model_file is not None else read_ladder(session)
-    prepared = with_floor(session, prepare_session(session, settings))
+    prepared = prepare_session(session, settings)
     if ladder is None:
         begun = first_model((session,), model_file, library)
         step = first_step((prepared,), begun.model, begun.start((prepared,)))

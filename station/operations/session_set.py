@@ -10,7 +10,6 @@ from identify.fitting.own_linear import VARIES, changed_on_purpose
 from identify.fitting.segments import largest_first
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.record_floor import with_floor
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -52,16 +51,13 @@ def open_sessions(
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
     sessions = opened_once(arguments, settings)
     several = len(sessions) > 1
-
-    def prepared(session: Session, beside_others: bool = several) -> PreparedDecay:
-        decay = prepare_session(session, settings, beside_others=beside_others)
-        return with_floor(session, decay)
-
-    ready, left_out = of_each(sessions, prepared)
+    ready, left_out = of_each(
+        sessions, lambda session: prepare_session(session, settings, beside_others=several)
+    )
     if not ready:
         raise NotIdentifiable("; ".join(by_reason(left_out)))
     if several and len(ready) == 1:  # alone after all, by the rule for one
-        ready = [(ready[0][0], prepared(ready[0][0], beside_others=False))]
+        ready = [(ready[0][0], prepare_session(ready[0][0], settings))]
     sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
     _check_alike(sessions, decays)
     order = largest_first(decays)
