@@ -11,7 +11,6 @@ from typing import TypeVar
 
 from daq.capture import CaptureSettings
 from daq.session import Session
-from daq.session_info import SessionInfo
 from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.new_session import capture_settings
@@ -62,8 +61,8 @@ def on_simulated(
 
 def simulated_capture(settings: Settings, specimen: str, speed: float) -> CaptureSettings:
     """Say how the simulated bench is captured; at another speed than its own no clock can be checked."""
-    info = SessionInfo(specimen=specimen, mass_kg=MASS_KG, operator="demo")
-    return replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    wanted = capture_settings(settings, specimen=specimen, mass=MASS_KG, operator="demo")
+    return replace(wanted, check_clock=speed == 1.0)
 
 
 def record_simulated(

@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import asdict
 
 from nicegui import ui
@@ -11,7 +11,7 @@ from nicegui import ui
 from daq.capture import CaptureSettings
 from daq.errors import StationError
 from station.exits import Problem
-from station.operations.new_session import capture_settings, session_info
+from station.operations.new_session import capture_settings, new_folder
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.app_state import AppState
@@ -51,10 +51,6 @@ class CapturePanel:
             self._message = widgets.html().props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
-    def busy(self) -> bool:
-        """Check whether a capture is under way, in whichever tab."""
-        return self._state.capturing is not None and not self._state.capturing.now.finished
-
     def _known(self) -> list[str]:
         from daq.port import system_ports
 
@@ -75,29 +71,38 @@ class CapturePanel:
         none = ("no board answers; plug it in, type its port, or solve a mystery", "bad")
         self._say(*(lines or [none]))
 
-    def _start(self) -> None:
-        settings, port = self._state.settings, str(self._port.value or "").strip()
+    def asked(self) -> tuple[str, CaptureSettings] | None:
+        """Read the port, and how to capture, from the form; None where something is wrong, which is said."""
+        port = str(self._port.value or "").strip()
         if not port:
             self._say(("choose the port of the board, or press Find the board", "bad"))
-            return
+            return None
+        how = {"mass": self._mass.value or None, "duration": self._duration.value}
         try:
-            info = session_info(settings, self._mass.value or None)
-            wanted = capture_settings(settings, info, duration=self._duration.value)
+            return port, capture_settings(self._state.settings, **how)
         except (StationError, Problem, ValueError) as error:
             self._say((str(error).splitlines()[0], "bad"))
-        else:
-            self._record(nullcontext(port), wanted, "release")
+            return None
+
+    def _start(self) -> None:
+        if asked := self.asked():
+            port, wanted = asked
+            folder = new_folder(self._state.settings.sessions)
+            self.begin(lambda: CaptureRun(nullcontext(port), wanted, folder))
 
     def solve_mystery(self) -> None:
         """Record a simulated board that hides something, as if it stood on the bench."""
         seed, board, wanted = mystery(self._state.settings)
-        self._record(board, wanted, f"mystery_{seed}")
+        folder = new_folder(self._state.settings.sessions, f"mystery_{seed}")
+        self.begin(lambda: CaptureRun(board, wanted, folder))
 
-    def _record(self, board: AbstractContextManager[str], wanted: CaptureSettings, prefix: str) -> None:
-        if self.busy():
-            ui.notify("another tab is recording: this click started nothing", type="warning")
+    def begin(self, make: Callable[[], CaptureRun]) -> None:
+        """Begin to record in this tab, unless one is recording already."""
+        before = self._state.capturing
+        if before is not None and not before.now.finished:
+            ui.notify("a recording is under way: this click started nothing", type="warning")
             return
-        self._own = self._state.capturing = CaptureRun(board, wanted, self._state.settings.sessions, prefix)
+        self._own = self._state.capturing = make()
         self._began(self._own)
 
     def _tick(self) -> None:
@@ -107,17 +112,18 @@ class CapturePanel:
         now = self._shown = run.now
         self._form.set_visibility(now.finished)
         if now.finished:
-            self._finished(now)
+            self._finished(run)
         elif run is self._own:
             self._say(("recording: see the scope", "faint"))
         else:
             silent = now.detail.startswith("nothing came")
             self._say((now.sentence, "strong"), (now.detail, "bad strong" if silent else "faint"))
 
-    def _finished(self, now: Progress) -> None:
-        kept = "What was received is in the list below." if now.problem and now.kept is not None else ""
+    def _finished(self, run: CaptureRun) -> None:
+        now, key = run.now, _key(run.now)
+        kept = "What was received is in the list below." if now.problem and run.folder.is_dir() else ""
         lines = [(sentence(now.problem), "bad"), (kept, "faint")]
-        verdict, key = now.verdict, _key(now)
+        verdict = None if now.session is None else now.session.verdict
         good = verdict is not None and verdict.grade.value == "OK"
         if key and not (key == self._chosen and good):
             lines.append(
@@ -135,7 +141,7 @@ class CapturePanel:
 
 def _key(now: Progress) -> str:
     """Name the session that a capture made; "" where it made none."""
-    return "" if now.session is None else now.session.name
+    return "" if now.session is None else now.session.folder.name
 
 
 class ScopePanel:
@@ -176,8 +182,8 @@ class ScopePanel:
         if now.finished:
             self._run = None
             self._panel.set_visibility(False)
-            if now.session is not None and not now.problem:
-                ui.navigate.to(address_of(now.session.name))
+            if now.session is not None:
+                ui.navigate.to(address_of(now.session.folder.name))
             return
         self._statement.props["data-kind"] = KINDS.get(now.state, "film")
         left = now.scope.left_s

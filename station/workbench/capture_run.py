@@ -6,20 +6,18 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
 from daq.rest_detection import primary
+from daq.session import Session
 from daq.trigger import threshold
 from firmware_protocol import Hello
 from station.exits import sentence_of
 from station.operations.mystery import BOARD, SEEDS
-from station.operations.new_session import new_folder
 from station.operations.simulated_board import simulated_board, simulated_capture
 from station.settings import Settings
 from station.text.capture_progress import STATES
@@ -135,8 +133,7 @@ class Level:
 class Progress:
     """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
 
-    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in a sentence; `kept` is
-    what was received of a capture that failed.
+    `finished` says that it has ended, of a capture with the sealed `session`, or with a `problem` in a sentence.
     """
 
     state: str = ""
@@ -146,9 +143,7 @@ class Progress:
     lost: int = 0
     finished: bool = False
     problem: str = ""
-    verdict: Verdict | None = None
-    session: Path | None = None
-    kept: Path | None = None
+    session: Session | None = None
     scope: Scope = field(default_factory=Scope)
 
 
@@ -160,19 +155,16 @@ def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager
 
 
 class CaptureRun(CaptureObserver):
-    """A capture that runs until it is sealed, fails, or is cancelled."""
+    """A capture into a new `folder` that runs until it is sealed, fails, or is cancelled."""
 
     def __init__(
         self,
         board: AbstractContextManager[str],
         settings: CaptureSettings,
-        sessions: Path,
-        prefix: str = "release",
+        folder: Path,
     ) -> None:
-        self.now = Progress()
+        self.now, self.folder = Progress(), folder
         self._board, self._settings = board, settings
-        plain = sessions / prefix
-        self._folder = plain if prefix != "release" and not plain.exists() else new_folder(sessions, prefix)
         self._trace = ScopeTrace(settings)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
@@ -194,6 +186,7 @@ class CaptureRun(CaptureObserver):
         self._channels = channels
         self._largest = np.full(len(channels), 1e-300)
         self._trace.connected(channels)
+        self.now = replace(self.now, lost=0)
 
     def state(self, name: str, detail: str) -> None:
         """Note where it stands."""
@@ -226,13 +219,15 @@ class CaptureRun(CaptureObserver):
             raise KeyboardInterrupt("cancelled on the workbench")
 
     def _run(self) -> None:
-        found: dict[str, Any] = {}
+        session, problem = None, ""
         try:
             with self._board as port:
-                session = capture(port, self._settings, self._folder, self)
-            found = {"session": session.folder, "verdict": session.verdict}
+                session = self._record(port)
         except KeyboardInterrupt:
-            found = {"problem": "cancelled", "kept": self._folder if self._folder.is_dir() else None}
+            problem = "cancelled"
         except Exception as error:
-            found = {"problem": sentence_of(error), "kept": getattr(error, "session", None)}
-        self.now = replace(self.now, finished=True, **found)
+            problem = sentence_of(error)
+        self.now = replace(self.now, finished=True, session=session, problem=problem)
+
+    def _record(self, port: str) -> Session | None:
+        return capture(port, self._settings, self.folder, self)

@@ -51,7 +51,7 @@ class Page:
             columns.classes("" if key else "start")
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
                 self._capture = CapturePanel(state, self._record, key)
-                GuidePanel(state.settings, self._capture.busy)
+                GuidePanel(state, self._capture)
                 SessionsPanel(state, key)
             middle = ui.element("section").classes("bench-column story")
             with middle.props('aria-label="Measurement and model"'):
