@@ -32,10 +32,11 @@ from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
-from station.text.numbers import typeset, with_unit
+from station.text.numbers import typeset, with_names, with_unit
 
 SEEDS = 1000
 BOARD = "mocks.mystery"
+BENCH = Weighing(MASS_KG)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,10 +134,13 @@ def hidden_document(truth: dict[str, Any]) -> dict[str, Any]:
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
-    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
+    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces (dmu = 1.2 N)"."""
     of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
-    return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
+    known, own = true_values(truth), f"{truth['hidden']}."
+    values = with_names({name.removeprefix(own): known[name] for name in known if name.startswith(own)})
+    more = f" ({', '.join(values)})" if values else ""
+    return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}{more}"
 
 
 def revealed(solved: Solved) -> Told:
@@ -157,9 +161,8 @@ def revealed(solved: Solved) -> Told:
 
 def _side_by_side(solved: Solved) -> Table:
     """Put the hidden effect's parameters beside those that were found, each with its unit."""
-    weighing, rows = Weighing(MASS_KG), []
-    found = solved.ladder.top.weighed(weighing)
-    for name, true in true_values(solved.truth, weighing).items():
+    found, rows = solved.ladder.top.weighed(BENCH), []
+    for name, true in true_values(solved.truth).items():
         estimate, exact = found.get(name), f"{true.value:.5g}"
         if name.endswith(".phase"):  # it counts from another instant there
             continue
@@ -171,7 +174,7 @@ def _side_by_side(solved: Solved) -> Table:
     return Table("", ("", "hidden", "found"), tuple(rows))
 
 
-def true_values(truth: dict[str, Any], weighing: Weighing) -> dict[str, Estimate]:
+def true_values(truth: dict[str, Any]) -> dict[str, Estimate]:
     """Return what the board was made with, by "effect.parameter", with the mass in forces and strengths."""
     base = zip(base_model().terms, ("stiffness_per_mass", "mu_0", "mu_1"), strict=True)
     made = {term.effect.name: {term.strength.parameter: truth[key]} for term, key in base}
@@ -180,7 +183,7 @@ def true_values(truth: dict[str, Any], weighing: Weighing) -> dict[str, Estimate
         units = {p.name: p.unit for p in find_effect(effect).parameters if "reading" not in p.unit}
         numbers = {name: value for name, value in values.items() if isinstance(value, int | float)}
         bare = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in numbers.items()}
-        found |= {f"{effect}.{name}": value for name, value in weighing.weighed(effect, bare).items()}
+        found |= {f"{effect}.{name}": value for name, value in BENCH.weighed(effect, bare).items()}
     return found
 
 

@@ -1,4 +1,4 @@
-"""The tasks of a worker other than the ladder and the import: export, report, viewer, examples, revealing."""
+"""The tasks of a worker other than the ladder and the import: export, report, viewer, examples."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,15 +14,11 @@ from identify.formatting import SPACE, quantity
 from station.operations import examples
 from station.operations.exporting import facts_of
 from station.operations.identifying import identify_session, write_view
-from station.operations.mystery import hidden_words, true_values, what_was_hidden
 from station.operations.refining import Refinement
 from station.operations.viewer_tabs import kept_tabs
 from station.operations.workers import Say
 from station.report.write import write_report
-from station.results.ladder import read_ladder
 from station.settings import Settings
-from station.story.preparation import weighing_of
-from station.text.numbers import with_names
 from station.views.viewer import unpack
 from station.workbench.opened_session import open_session
 from station.workbench.parts import part
@@ -70,23 +66,6 @@ def fitted_samples(refinement: Refinement, fit: Fit) -> Exported:
         facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))
     facts = {name: text.replace(SPACE, " ") for name, text in facts.items()}
     return Exported(recording, facts_of(refinement.session) | facts)
-
-
-def reveal(settings: Settings, say: Say, folder: Path) -> str:
-    """Say what the board of a mystery hid, and whether the present model has it."""
-    session = Session.open(folder)
-    truth, ladder = what_was_hidden(session), read_ladder(session)
-    hidden = truth["hidden"]
-    true = true_values(truth, weighing_of(session, settings, "m"))
-    own = {
-        name.removeprefix(f"{hidden}."): value
-        for name, value in true.items()
-        if name.startswith(f"{hidden}.")
-    }
-    values = ", ".join(with_names(own))
-    words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
-    found = ladder is not None and hidden in ladder.top.effects
-    return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"
 
 
 def open_example(settings: Settings, say: Say, name: str) -> str:

@@ -29,7 +29,7 @@ class Opened:
     """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
     `stamp` changes when the session does. `drawn` are the frames and fits of models, by the frame's name, and `ground` is
-    settled by the first of them.
+    settled by the first of them. `diagnoses` are those that were kept since, by the effects of the model asked about.
     """
 
     stamp: tuple[object, ...]
@@ -37,6 +37,7 @@ class Opened:
     refinement: Refinement
     ground: Ground | None = None
     drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
+    diagnoses: dict[tuple[str, ...], diagnosis_document.DiagnosisDocument] = field(default_factory=dict)
 
     def draw(self, model: ModelFile, fitted: Callable[[], Fit]) -> str:
         """Draw a model unless it was drawn before, and return the name of its frame."""

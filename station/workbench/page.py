@@ -1,5 +1,6 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
+import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +9,6 @@ from nicegui import background_tasks, ui
 
 from identify.formatting import plain_name
 from station.operations import refining
-from station.operations.workers import Failed
 from station.report.write import NAME
 from station.workbench import further_tasks, tasks, telling, widgets
 from station.workbench.app_state import AppState
@@ -21,8 +21,8 @@ from station.workbench.parts import part
 from station.workbench.session_menu import SessionMenu
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
-from station.workbench.stage_feed import StageFeed
-from station.workbench.statements import switched_off
+from station.workbench.statements import says_of, switched_off
+from station.workbench.view_models import Drawing
 from station.workbench.waiting import BusyLine, TellingPanel
 
 TICK_S = 0.05
@@ -132,20 +132,11 @@ class Page:
     def _actions(self, session: SessionState, validate: Callable[[], Any]) -> dict[str, Callable[[str], Any]]:
         """Name what a click on an element of `parts.html` does, by the name that the element carries."""
 
-        async def reveal(_: str) -> None:
-            session.notice = "Asking the simulated board what it hid …"
-            session.changed()
-            try:
-                session.notice = await session.ask(further_tasks.reveal)
-            except Failed as failure:
-                session.notice = str(failure)
-            session.changed()
-
         return {
             "add": session.add,
             "diagnose": lambda _: session.diagnose(),
             "refine": lambda _: session.start("Refining", tasks.refine, long=True),
-            "reveal": reveal,
+            "reveal": lambda _: session.start("Asking the simulated board", tasks.reveal),
             "go": lambda place: session.change(f"Going to step {place}", refining.go_to, int(place)),
             "undo": lambda _: session.undo(),
             "remove": lambda name: session.change(f"Taking {plain_name(name)} out", refining.remove, name),
@@ -230,6 +221,48 @@ class Page:
         if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
             ui.run_javascript(f"bench.filmTo({self._step})")
             self._step = None
+
+
+class StageFeed:
+    """Sends one tab what its pictures need: each frame once, with its changes."""
+
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._stage: Drawing = {}
+        self._sent: set[str] = set()
+
+    @property
+    def whole(self) -> bool:
+        """Whether every step's frame was sent."""
+        view = self._session.view
+        return view is not None and self._sent.issuperset(view.step_frames)
+
+    def send(self) -> None:
+        """Send what is new since the last time."""
+        session, view = self._session, self._session.view
+        if view is None or not view.stage:
+            return
+        document = view.diagnosis if view.about_present and not view.at_floor else None
+        present = view.ladder.top.effects
+        suspects = {e: name for e, name in session.suspects.suspects.items() if e not in present}
+        shown = session.frames.get(view.step_frames[view.ladder.present], {})
+        says = session.suspects.says | says_of(view, shown.get("summary", ""))
+        news: dict[str, Any] = {
+            "steps": list(view.step_frames),
+            "present": view.ladder.present,
+            "suspects": suspects,
+            "best": document.named[0] if document is not None and document.named else None,
+            "says": says,
+            "names": {name: plain_name(name) for name in says},
+        }
+        if self._stage != view.stage:
+            news["stage"] = view.stage
+            self._sent.clear()
+        self._stage = view.stage
+        wanted = {*view.step_frames, *suspects.values()} - self._sent
+        news["frames"] = {name: frame for name, frame in session.frames.items() if name in wanted}
+        self._sent.update(news["frames"])
+        ui.run_javascript(f"bench.receive({json.dumps(news)})")
 
 
 class EmptyMiddle:

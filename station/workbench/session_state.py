@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import re
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,6 @@ from nicegui import Event
 
 from station.operations import refining
 from station.operations.workers import Failed, Say, Task, WorkerPool
-from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.pipeline import silent
 from station.text.layout import sentence
@@ -39,12 +38,9 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder, self.workers = folder, workers
         self.view: View | None = None
-        self.summary = ""
         self.frames: dict[str, Drawing] = {}
         self.suspects = Drawn()
-        self._suspects_drawn = False
         self.earlier: list[KeptLadder] = []
-        self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
         self._others: tuple[Path, ...] = ()
         self.problem = self.notice = self.progress = ""
         self.running: Running | None = None
@@ -137,60 +133,43 @@ class SessionState:
             return
         self.diagnose("Asking what the new model lacks")
 
-    def _hear(self, said: str | View) -> None:
-        """Note what a worker says; a view of what was found so far is shown at once."""
-        if isinstance(said, str):
+    def _hear(self, said: str | View | Drawn) -> None:
+        """Note what a worker says; what was found so far is shown at once."""
+        if isinstance(said, str) and self.running is not None:
             self.progress = said
-        elif self.running is not None:
+            return
+        if isinstance(said, str):  # what it finds cannot be kept
+            self.notice = sentence(said.removeprefix("note: "))
+        elif isinstance(said, View):
             self._take(said)
-            self.changed()
+        else:
+            known, self.frames = self.suspects, self.frames | said.frames
+            self.suspects = Drawn({}, known.suspects | said.suspects, known.says | said.says)
+        self.changed()
 
     def _take(self, found: View, undone: bool = False) -> None:
         """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
-        if found.diagnosis is not None:
-            self._diagnoses[tuple(found.diagnosis.model.effects)] = found.diagnosis
-            known = self._diagnoses.get(tuple(found.ladder.top.effects))
-            if known is not None and not found.about_present:
-                found = replace(found, diagnosis=known)  # that of the model that one has gone back to
         before, self.view = self.view, found
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder][-MOST_UNDONE:]
-            self.summary = ""  # of another model
-        if before is not None and before.weighing != found.weighing:
-            self.summary = ""  # in other units
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
-            self.suspects, self._suspects_drawn = Drawn(), False
+            self.suspects = Drawn()
         wanted = {*found.step_frames, *self.suspects.suspects.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
     async def _complete(self) -> None:
-        """Let be made what a view goes without at first: the summary, frames of other steps and of the suspects."""
+        """Let be made what a view goes without at first: where the model fails, other steps' frames, the suspects."""
         view = self.view
         if view is None:
             return
-        document = None if self._suspects_drawn or not view.about_present else view.diagnosis
-        suspects = document is not None and bool(document.suspects)
-        if self.summary and not suspects and all(name in self.frames for name in view.step_frames):
-            return
 
         def hear(said: Drawn | str) -> None:
-            if view is not self.view:  # another task has answered meanwhile, and asks for its own
-                return
-            if isinstance(said, str):  # what it finds cannot be kept
-                self.notice = sentence(said.removeprefix("note: "))
-            else:
-                known, self.frames = self.suspects, self.frames | said.frames
-                self.suspects = Drawn({}, known.suspects | said.suspects, known.says | said.says)
-            self.changed()
+            if view is self.view:  # else another task has answered meanwhile, and asks for its own
+                self._hear(said)
 
         with contextlib.suppress(asyncio.CancelledError, Failed):
-            words = await self.ask(
-                tasks.complete, bool(self.summary), document if suspects else None, say=hear
-            )
-            if view is self.view:
-                self.summary, self._suspects_drawn = self.summary or words, self._suspects_drawn or suspects
-                self.changed()
+            await self.ask(tasks.complete, say=hear)
 
     async def ask(self, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task on this session; raises Failed."""

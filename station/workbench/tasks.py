@@ -20,10 +20,10 @@ from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
 from station.operations.examples import EXAMPLES, examples_folder
+from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.operations.workers import Say
-from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
@@ -51,11 +51,13 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     session, weighing = opened.refinement.session, opened.refinement.weighing
     names = tuple(frame_id(step.model) for step in ladder.steps)
     opened.draw_step(ladder.top)
+    if kept := kept_diagnosis(session):
+        opened.diagnoses[tuple(kept.model.effects)] = kept
     effects = _effects(ladder)
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
-        kept_diagnosis(session),
+        opened.diagnoses.get(tuple(ladder.top.effects), kept),
         {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
         {} if opened.ground is None else opened.ground.stage,
@@ -110,6 +112,14 @@ def begin_again(settings: Settings, say: Say, folder: Path) -> View:
     return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
 
 
+def reveal(settings: Settings, say: Say, folder: Path) -> View:
+    """Say what the board of a mystery hid, and whether the present model has it."""
+    opened = open_session(settings, folder)
+    ladder, truth = opened.refinement.ladder, what_was_hidden(opened.refinement.session)
+    solved = "in your model: solved" if truth["hidden"] in ladder.top.effects else "not in your model yet"
+    return _view(settings, opened, ladder, f"The simulated board hid {hidden_words(truth)}. It is {solved}.")
+
+
 def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> View:
     """Find what the present model lacks on this release, and on others with it; keep the answer."""
     opened = open_session(settings, folder)
@@ -125,28 +135,25 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
     return _view(settings, opened, refinement.ladder)
 
 
-def complete(
-    settings: Settings, say: Say, folder: Path, compared: bool, document: DiagnosisDocument | None
-) -> str:
-    """Draw all steps and the suspects of a diagnosis, and send each as soon as it is drawn.
-
-    Returns where the present model fails, in words; "" where it was `compared` before.
-    """
+def complete(settings: Settings, say: Say, folder: Path) -> None:
+    """Draw all steps and the suspects of the present model, say where it fails, and send each as soon as it is known."""
     opened = open_session(settings, folder)
-    refinement, words = opened.refinement, ""
-    if not compared:
+    refinement = opened.refinement
+    frame = opened.drawn[opened.draw_step(refinement.ladder.top)][0]
+    if "summary" not in frame:
         with contextlib.suppress(Problem, NotIdentifiable):
             found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
-            words = typeset(found.comparison.summary)
+            frame["summary"] = typeset(found.comparison.summary)
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))
-    for drawn in () if document is None else _suspects(opened, document):
+    for drawn in _suspects(opened):
         say(drawn)
-    return words
 
 
-def _suspects(opened: Opened, document: DiagnosisDocument) -> Iterator[Drawn]:
-    shown = [suspect for suspect in document.suspects if suspect.model is not None][:MOST_CARDS]
+def _suspects(opened: Opened) -> Iterator[Drawn]:
+    document = opened.diagnoses.get(tuple(opened.refinement.ladder.top.effects))
+    suspects = document.suspects if document is not None else []
+    shown = [suspect for suspect in suspects if suspect.model is not None][:MOST_CARDS]
     for suspect in shown:
         assert suspect.model is not None
         with contextlib.suppress(NotIdentifiable, UsageProblem):  # shown without a picture
