@@ -80,8 +80,7 @@ def command(
     """
     from daq.failover import is_temporary
     from daq.sources.open_source import LineOptions
-    from station.operations.capturing import record
-    from station.operations.line_boards import board_behind
+    from station.operations.capturing import board_behind, record
     from station.operations.new_session import capture_settings, new_folder
 
     told = LineOptions(None, columns, units, given["rate"], baud)

@@ -1,19 +1,49 @@
-"""Diagnose one or several sessions and keep what was found."""
+"""Compare a session with a model, or diagnose several, and keep what was found."""
 
 from pathlib import Path
+from typing import Any
 
+from daq.session import Session
 from identify.comparison.other_benches import OTHER_BENCH, other_benches
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.fitting.validation import leave_one_out
-from station import output
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import current_model
 from station.operations.session_set import SessionSet
+from station.output import progress as say
 from station.own_effects import whole_library
+from station.results.comparison_document import NAME as COMPARISON, comparison_document
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import keep_document
+from station.settings import Settings
+from station.story.compared import Compared
 from station.story.known_model import KnownModel
-from station.story.pipeline import Progress, silent
+from station.story.pipeline import Progress, compare, silent
+from station.story.preparation import prepare_session
+
+
+def compare_session(
+    session: Session,
+    settings: Settings,
+    model_file: Path | None = None,
+    effects_file: Path | None = None,
+    *,
+    prepared: PreparedDecay | None = None,
+    tell: Progress = say,
+) -> tuple[Compared, dict[str, Any]]:
+    """Compare a session with its current model, or that of a file; write results/comparison.json.
+
+    `prepared` is its release, where it was prepared before. `tell` gets a sentence where the session may not be written.
+    Returns the comparison and its document.
+    """
+    if prepared is None:
+        prepared = prepare_session(session, settings)
+    current = current_model((session,), model_file, whole_library(effects_file))
+    compared = compare(session.folder.name, prepared, current)
+    document = comparison_document(compared)
+    keep_document(session, COMPARISON, document, tell)
+    return compared, document
 
 
 def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> None:
@@ -66,7 +96,7 @@ def diagnose_sessions(
     return found, document.model_copy(update=of_sessions | said)
 
 
-def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress = output.progress) -> None:
+def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress = say) -> None:
     """Write results/diagnosis.json into each session; `tell` gets a sentence on each that may not be written."""
     for session in sessions.sessions:
         keep_document(session, NAME, document, tell)

@@ -17,8 +17,7 @@ from identify.estimate import Estimate
 from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
 from station.exits import UsageProblem
-from station.operations.comparing import compare_session
-from station.operations.diagnosing import diagnose_sessions, keep
+from station.operations.diagnosing import compare_session, diagnose_sessions, keep
 from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet

@@ -13,8 +13,15 @@ from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
-from station.operations.session_set import by_reason, declared, of_each, opened_once
+from station.operations.session_set import (
+    by_reason,
+    declared,
+    diagnosed_beside,
+    of_each,
+    opened_once,
+    opened_or_none,
+    prepared_or_none,
+)
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import keep_document

@@ -13,11 +13,10 @@ from station.operations.workers import WorkerPool
 from station.report.write import NAME
 from station.settings import Settings
 from station.views.viewer import FILES
-from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
-from station.workbench.on_the_page import on_the_page
 from station.workbench.page import Page
 from station.workbench.session_list import SessionList
+from station.workbench.session_state import AppState
 from station.workbench.tasks import warm_up
 
 STATIC = Path(__file__).parent / "static"
@@ -48,7 +47,7 @@ def make(
     temporary: Path,
 ) -> tuple[FastAPI, AppState]:
     """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
-    workers = WorkerPool(settings, worded=on_the_page)
+    workers = WorkerPool(settings)
     state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, token=token, any_address=any_address)

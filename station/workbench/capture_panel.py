@@ -14,10 +14,10 @@ from station.exits import Problem
 from station.operations.new_session import capture_settings, new_folder
 from station.text.layout import sentence
 from station.workbench import widgets
-from station.workbench.app_state import AppState
 from station.workbench.capture_run import CaptureRun, Progress, mystery
 from station.workbench.parts import begun, part
 from station.workbench.session_list import address_of
+from station.workbench.session_state import AppState
 
 TICK_S = 0.1
 KINDS = {"armed": "floor", "recording": "preview"}

@@ -2,17 +2,17 @@
 
 import hashlib
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array
+from identify.comparison.compare import without_faults
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import shoot
 from identify.comparison.residual_force import estimate_extra_force
 from identify.fitting.fit import Fit
-from identify.fitting.problem import Problem
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.models import ModelFile
 from station.text.numbers import scale, typeset
@@ -133,7 +133,8 @@ def frame_of(ground: Ground, fit: Fit) -> Drawing:
     """
     cells = np.arange(len(ground.stage["cycle"]["cells"]))
     patterns = np.asarray(ground.member[:, None] == cells, dtype=float)
-    found = estimate_extra_force(shoot(*without_faults(ground.prepared, fit)), patterns)
+    seen = without_faults(ground.prepared, fit) if fit.model.faults else (ground.prepared, fit)
+    found = estimate_extra_force(shoot(*seen), patterns)
     usual = float(np.median(found.std))
     force, std = (
         np.where(found.std < UNKNOWN * usual, one * ground.force_scale, np.nan)
@@ -155,24 +156,3 @@ def frame_of(ground: Ground, fit: Fit) -> Drawing:
         "cycle": numbers(force),
         "cycle_std": numbers(std),
     }
-
-
-def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
-    """Correct a release and its fit for the sensors' faults in the model, which then has forces alone.
-
-    A fault would be taken for a force otherwise: the residual of a reading is laid to the motion.
-    """
-    faults = [term.effect.name for term in fit.model.terms if not term.is_force]
-    if not faults:
-        return prepared, fit
-    model, window, motion = fit.model, fit.windows[0], prepared.motion
-    for name in faults:
-        model = model.minus(name)
-    clean = Problem(model, fit.windows[:1], fit.frequency)
-    theta = clean.theta(fit.of_release(0))
-    seen = clean.read(theta, 0, clean.respond(theta, 0))
-    error = {c: fit.predicted[0][c] - seen[c] for c in window.channels}
-    readings = {c: window.readings[c] - error[c] for c in window.channels}
-    moved = {c: getattr(motion, c) - error[c] for c in ("displacement", "velocity") if c in error}
-    right = replace(prepared, motion=replace(motion, **moved))
-    return right, replace(fit, model=model, windows=(window.with_(readings=readings),))

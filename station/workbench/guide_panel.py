@@ -18,10 +18,10 @@ from station.results.guide_document import TurnDocument
 from station.text.diagnosis_text import headline
 from station.text.guide_text import ENDINGS, gave, odds_of, to_do
 from station.workbench import widgets
-from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel
 from station.workbench.capture_run import CaptureRun, ScopeTrace, mystery
 from station.workbench.parts import part
+from station.workbench.session_state import AppState
 
 TICK_S = 0.2
 _SHOWN = 5

@@ -14,13 +14,12 @@ from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.exits import UsageProblem
 from station.operations.new_session import session_info
-from station.operations.workers import Say
+from station.operations.workers import Say, on_the_page
 from station.results.kept_recipes import look_with_kept
 from station.results.sessions import import_file
 from station.settings import Settings
 from station.text.campaign_text import told
 from station.text.content import Paragraph
-from station.workbench.on_the_page import on_the_page
 from station.workbench.parts import part
 from station.workbench.session_list import outline
 from station.workbench.view_models import AskedColumn, Imported, ImportQuestion

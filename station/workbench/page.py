@@ -11,7 +11,6 @@ from identify.formatting import plain_name
 from station.operations import refining
 from station.report.write import NAME
 from station.workbench import further_tasks, tasks, telling, widgets
-from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
@@ -19,7 +18,7 @@ from station.workbench.guide_panel import GuidePanel
 from station.workbench.others_menu import others_menu, validate_dialog
 from station.workbench.parts import part
 from station.workbench.session_menu import SessionMenu
-from station.workbench.session_state import SessionState
+from station.workbench.session_state import AppState, SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.statements import says_of, switched_off
 from station.workbench.view_models import Drawing

@@ -11,9 +11,8 @@ from daq.session import Session
 from station.exits import Problem
 from station.operations.workers import Failed
 from station.workbench import further_tasks, tasks, widgets
-from station.workbench.app_state import AppState
 from station.workbench.session_list import address_of
-from station.workbench.session_state import SessionState
+from station.workbench.session_state import AppState, SessionState
 from station.workbench.stored_sessions import describe, rename, to_bin
 
 

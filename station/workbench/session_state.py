@@ -1,10 +1,10 @@
-"""One session as every tab that shows it sees it. One computation at a time; each change has a number."""
+"""What all tabs share: each session with one computation at a time, the workers, the list, and the capture under way."""
 
 import asyncio
 import contextlib
 import re
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,13 @@ from nicegui import Event
 from station.operations import refining
 from station.operations.workers import Failed, Say, Task, WorkerPool
 from station.results.ladder import KeptLadder
+from station.settings import Settings
 from station.story.pipeline import silent
 from station.text.layout import sentence
 from station.workbench import tasks
+from station.workbench.capture_run import CaptureRun
 from station.workbench.opened_session import results_stamp
+from station.workbench.session_list import SessionList
 from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
 
@@ -199,3 +202,28 @@ class SessionState:
 def _steps(ladder: KeptLadder) -> object:
     """Pick out what makes two ladders different to the operator."""
     return ladder.present, ladder.steps
+
+
+@dataclass
+class AppState:
+    """Settings, workers, the sessions on offer, those that are open by their folder, and the one capture at a time.
+
+    `temporary` is a folder that goes when the server ends.
+    """
+
+    settings: Settings
+    workers: WorkerPool
+    session_list: SessionList
+    temporary: Path
+    sessions: dict[Path, SessionState] = field(default_factory=dict)
+    capturing: CaptureRun | None = None
+
+    def session(self, folder: Path) -> SessionState:
+        """Open the session in a folder, unless a tab has opened it."""
+        return self.sessions.setdefault(folder, SessionState(folder, self.workers))
+
+    def moved(self, folder: Path, place: Path) -> None:
+        """Forget a session as it was before it was moved; those that are looked at together with it follow it."""
+        self.sessions.pop(folder, None)
+        for session in self.sessions.values():
+            session.follow(folder, place)

@@ -16,9 +16,8 @@ from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
-from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
+from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions, keep
 from station.operations.examples import EXAMPLES, examples_folder
 from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried

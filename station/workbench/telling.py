@@ -10,9 +10,9 @@ from daq.errors import StationError
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session
+from station.operations.diagnosing import compare_session
 from station.operations.identifying import identify_session
-from station.operations.session_curves import kept_curves
+from station.operations.session_set import kept_curves
 from station.operations.validating import validate_sessions
 from station.operations.workers import Say
 from station.report.loop import curves_of, where_it_fails

@@ -12,12 +12,11 @@ from typing import Any
 import pytest
 
 from station.operations import workers as worker
+from station.operations.workers import on_the_page
 from station.settings import Settings
 from station.story.engineering_values import UNKNOWN
 from station.workbench import tasks
-from station.workbench.app_state import AppState
-from station.workbench.on_the_page import on_the_page
-from station.workbench.session_state import Running, SessionState
+from station.workbench.session_state import AppState, Running, SessionState
 from station.workbench.view_models import Drawn
 
 
