@@ -86,14 +86,15 @@ def _viewer(folder: Path) -> None:
     """Take the tabs of the viewer that the pages show."""
     from bench.photograph import photograph
     from station.operations.examples import open_example
-    from station.operations.identifying import identify_session, write_view
+    from station.operations.identifying import identify_session
+    from station.operations.viewer_tabs import write_view
     from station.settings import Settings
 
     with TemporaryDirectory() as name:
         settings = Settings(sessions=Path(name) / "sessions")
         session = open_example("simulated_plain", settings.sessions)
         result, _ = identify_session(session, settings)
-        for picture in photograph(write_view(session, result), Path(name) / "tabs"):
+        for picture in photograph(write_view(session, result, settings), Path(name) / "tabs"):
             if picture.stem in ("alignment", "results"):
                 (folder / picture.name).write_bytes(_small(picture.read_bytes()))
 

@@ -124,7 +124,8 @@ def finish(
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
     from dataclasses import replace
 
-    from station.operations.identifying import identify_session, refuse_if_nothing, write_view
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.operations.viewer_tabs import write_view
     from station.text.identification_text import next_command, told
     from station.text.layout import answer
 
@@ -137,7 +138,7 @@ def finish(
         for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, settings)
-    file = write_view(session, result)
+    file = write_view(session, result, settings)
     if url is not None:
         from station.views import show
 

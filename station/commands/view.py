@@ -12,8 +12,8 @@ def command(settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIE
 
     Identifies it first, and keeps the recording in the session's results.
     """
-    from station.operations.identifying import identify_session, write_view
-    from station.operations.viewer_tabs import kept_tabs
+    from station.operations.identifying import identify_session
+    from station.operations.viewer_tabs import write_view
     from station.results.sessions import open_session
     from station.text.content import Told
     from station.text.layout import answer
@@ -22,7 +22,7 @@ def command(settings: Settings, session: str = SESSION, no_viewer: bool = NO_VIE
     opened = open_session(session, settings.sessions)
     opened.require_writable()
     result, _ = identify_session(opened, settings)
-    file = write_view(opened, result, kept_tabs(opened, settings))
+    file = write_view(opened, result, settings)
     progress(f"recording: {file}")
     if not no_viewer and viewer.has_screen():
         viewer.start(str(file), "--port", "auto")

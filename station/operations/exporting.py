@@ -22,15 +22,13 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
     be estimated; values are not rescaled otherwise.
     """
     recording = session.recording()
-    facts = facts_of(session) | {"channels": "as recorded"}
-    if not aligned:
-        return Exported(recording, facts)
+    facts, found = facts_of(session) | {"channels": "as recorded"}, None
     try:
-        found = locate(recording, options_for(session, settings))
+        found = locate(recording, options_for(session, settings)) if aligned else None
     except NotIdentifiable as refusal:
-        return Exported(
-            recording, facts | {"channels": f"as recorded, for they could not be aligned: {refusal}"}
-        )
+        facts["channels"] += f", for they could not be aligned: {refusal}"
+    if found is None:
+        return Exported(recording, facts)
     facts["release_s"] = f"{found.release.time_s:.6g}"
     if found.alignment is None:
         return Exported(recording, facts | {"channels": f"as recorded: {found.not_aligned}"})

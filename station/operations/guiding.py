@@ -132,11 +132,9 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
 def limits_of(text: str, unattended: bool = False) -> Limits:
     """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
     lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
-    if len(lengths) <= text.count(","):
-        raise UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
-    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
+    if len(lengths) != 2 or text.count(",") != 1 or not 0.0 < lengths[0] < lengths[1]:
         raise UsageProblem(
-            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
+            f"--limits {text}: write the smallest and the largest safe amplitude with their units, as 2mm,25mm"
         )
     ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
     return Limits(lengths[0], lengths[1], ways=ways)

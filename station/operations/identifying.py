@@ -1,9 +1,7 @@
 """Identify a session and keep what was found in it."""
 
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from daq.errors import NotASession
 from daq.session import Session
@@ -17,11 +15,6 @@ from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
 from station.story.pipeline import Progress, identify, silent, with_adequacy
 from station.story.preparation import Options, locate, options_for, prepare_recording, with_floor
-
-if TYPE_CHECKING:
-    from station.views.log import Tab
-
-VIEW = "identification.rrd"
 
 
 def identify_session(
@@ -76,15 +69,3 @@ def refuse_if_nothing(result: Identification) -> None:
     if result.wavelet is None and result.restoring_force is None:
         reasons = dict.fromkeys(result.refusals[step] for step in ("wavelet", "restoring_force"))
         raise Answered("nothing could be identified: " + "; ".join(reasons))
-
-
-def write_view(
-    session: Session, result: Identification, more: "tuple[Tab, ...]" = (), *, dark: bool = True
-) -> Path:
-    """Write the tabs of the viewer into the session's results, `more` after those of the identification."""
-    from station.views import show
-
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / VIEW
-        show.write(file, session.folder.name, result, more, dark=dark)
-        return session.write_result(VIEW, file.read_bytes())

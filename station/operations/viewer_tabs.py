@@ -1,7 +1,9 @@
-"""The Ladder tab, for the session's recording and for a viewer that is open."""
+"""The viewer's recording of a session, and its Ladder tab, there and in a viewer that is open."""
 
 import time
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from daq.session import Session
@@ -10,9 +12,24 @@ from station.operations.refining import Refinement, open_refinement, step_again
 from station.output import progress
 from station.results.ladder import LADDER
 from station.settings import Settings
+from station.story.identification import Identification
 
 if TYPE_CHECKING:
     from station.views.log import Tab
+
+
+VIEW = "identification.rrd"
+
+
+def write_view(session: Session, result: Identification, settings: Settings, *, dark: bool = True) -> Path:
+    """Write the tabs of the viewer into the session's results: those of the identification, and the ladder's."""
+    from station.views import show
+
+    tabs = kept_tabs(session, settings)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / VIEW
+        show.write(file, session.folder.name, result, tabs, dark=dark)
+        return session.write_result(VIEW, file.read_bytes())
 
 
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":

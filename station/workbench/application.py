@@ -8,7 +8,7 @@ from fastapi import FastAPI, Request
 from nicegui import Client, app as nicegui_app, background_tasks, ui
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
-from station.operations.identifying import VIEW
+from station.operations.viewer_tabs import VIEW
 from station.operations.workers import WorkerPool
 from station.report.write import NAME
 from station.settings import Settings
@@ -39,18 +39,13 @@ POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; i
 
 
 def make(
-    settings: Settings,
-    named: tuple[Path, ...],
-    names: frozenset[str],
-    token: str,
-    any_address: bool,
-    temporary: Path,
+    settings: Settings, named: tuple[Path, ...], token: str, temporary: Path
 ) -> tuple[FastAPI, AppState]:
-    """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
+    """Return the application, which answers who has the `token`, and the state behind it."""
     workers = WorkerPool(settings)
     state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-    app.add_middleware(Guard, names=names, token=token, any_address=any_address)
+    app.add_middleware(Guard, token=token)
     logging.getLogger("nicegui").setLevel(
         logging.ERROR
     )  # it warns of a busy computer, and of what is not served

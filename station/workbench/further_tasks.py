@@ -13,9 +13,9 @@ from identify.fitting.fit import Fit
 from identify.formatting import SPACE, quantity
 from station.operations import examples
 from station.operations.exporting import facts_of
-from station.operations.identifying import identify_session, write_view
+from station.operations.identifying import identify_session
 from station.operations.refining import Refinement
-from station.operations.viewer_tabs import kept_tabs
+from station.operations.viewer_tabs import write_view
 from station.operations.workers import Say
 from station.report.write import write_report
 from station.settings import Settings
@@ -78,7 +78,7 @@ def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: st
     session = Session.open(folder)
     result, _ = identify_session(session, settings, say)
     say("writing the recording")
-    file = write_view(session, result, kept_tabs(session, settings), dark=dark)
+    file = write_view(session, result, settings, dark=dark)
     if not (temporary / "index.html").is_file():
         unpack(temporary)
     place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one

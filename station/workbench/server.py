@@ -47,14 +47,10 @@ def serve(
         from station.workbench.session_list import address_of
 
         bound = opened.getsockname()[1]
-        everywhere = host in ("0.0.0.0", "::")
-        shown = HOST if everywhere else host
+        shown = HOST if host in ("0.0.0.0", "::") else host
         place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
-        names = {place, f"localhost:{bound}"}
-        if everywhere:
-            names.add(f"{socket.gethostname()}:{bound}")
         token, folder = secrets.token_urlsafe(24), Path(temporary)
-        app, state = make(settings, named, frozenset(names), token, everywhere, folder)
+        app, state = make(settings, named, token, folder)
         page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
         address = f"{page}{'&' if '?' in page else '?'}token={token}"
         say_in_one_line(say)

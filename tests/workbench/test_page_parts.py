@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from daq.capture import CaptureSettings
+from daq.errors import DataLost
 from daq.recording import Channel
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import plain_name
@@ -114,7 +115,7 @@ def test_a_raw_log_that_was_damaged_is_named_with_what_to_do(kept, left, said):
     raw.unlink()
     if left is not None:
         raw.write_bytes(before[:left])
-    with pytest.raises(UsageProblem, match=rf"raw.log, which .*, {said}: import source/.* again"):
+    with pytest.raises(DataLost, match=rf"raw.log, which .*, {said}: import source/.* again"):
         open_session(Settings(), kept)
 
 
