@@ -16,7 +16,7 @@ from station.results.diagnosis_pictures import refitted
 from station.results.ladder import LADDER, KeptStep, read_ladder
 from station.results.models import ModelFile, known_model
 from station.settings import Settings
-from station.workbench.frames import Ground, frame_id, frame_of, ground_of
+from station.workbench.frames import frame_id, frame_of, stage_of
 from station.workbench.view_models import Drawing
 
 MOST_OPEN = 8
@@ -27,13 +27,13 @@ MOST_KEPT = 80
 class Opened:
     """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
-    `drawn` are the frames and fits of models, by the frame's name, and `ground` is
+    `drawn` are the frames and fits of models, by the frame's name, and `stage` is
     settled by the first of them. `diagnoses` are those that were kept since, by the effects of the model asked about.
     """
 
     begun: Refinement
     refinement: Refinement
-    ground: Ground | None = None
+    stage: Drawing = field(default_factory=dict)
     drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
     diagnoses: dict[tuple[str, ...], diagnosis_document.DiagnosisDocument] = field(default_factory=dict)
 
@@ -42,11 +42,11 @@ class Opened:
         name = frame_id(model)
         if name not in self.drawn:
             found = fitted()
-            if self.ground is None:
-                self.ground = ground_of(self.refinement.prepared, found)
+            prepared = self.refinement.prepared
+            self.stage = self.stage or stage_of(prepared, found)
             while len(self.drawn) >= MOST_KEPT:
                 del self.drawn[next(iter(self.drawn))]
-            self.drawn[name] = frame_of(self.ground, found), found
+            self.drawn[name] = frame_of(prepared, found), found
         return name
 
     def draw_step(self, step: KeptStep) -> str:

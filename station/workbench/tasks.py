@@ -59,7 +59,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
         opened.diagnoses.get(tuple(ladder.top.effects), kept),
         {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
-        {} if opened.ground is None else opened.ground.stage,
+        opened.stage,
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,

@@ -12,7 +12,7 @@ Numbers = list[float | None]
 """Values to draw, None where nothing is known."""
 
 Drawing = dict[str, Any]
-"""What the page's script draws; `frames.ground_of` and `frames.frame_of` say what is in it."""
+"""What the page's script draws; `frames.stage_of` and `frames.frame_of` say what is in it."""
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""

@@ -13,8 +13,7 @@ import pytest
 
 from station.workbench.guard import LARGEST_BODY
 
-STAIN = """f => { const x = f.cycle.map((y, i) => y === null ? null : (y / f.cycle_std[i]) ** 2).filter(y => y !== null);
-  return x.reduce((a, b) => a + b, 0) / x.length }"""
+STAIN = """f => f.force.map((force, i) => (force / f.force_std[i]) ** 2).reduce((a, b) => a + b, 0) / f.force.length"""
 
 
 def shown(page):
