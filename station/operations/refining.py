@@ -28,12 +28,9 @@ from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, wr
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.pipeline import Progress
 from station.story.preparation import prepare_session, weighing_of
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
-
-Seen = Callable[[KeptLadder, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,10 +149,8 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was taken out"))
 
 
-def refine_to_floor(
-    refinement: Refinement, progress: Progress, found_so_far: Seen | None = None
-) -> KeptLadder:
-    """Add what is missing until nothing is; `progress` gets each step, which is kept as soon as it is found.
+def refine_to_floor(refinement: Refinement, found_so_far: Callable[[KeptLadder, str], None]) -> KeptLadder:
+    """Add what is missing until nothing is; each step is kept as soon as it is found.
 
     `found_so_far` gets the kept ladder after each step, and the step in words.
     """
@@ -164,15 +159,11 @@ def refine_to_floor(
 
     def on_step(step: Step, words: str) -> None:
         nonlocal kept
+        if step.added or step.removed:
+            new = _kept(step, top.model.expressions)
+            kept = _extended(replace(refinement, ladder=kept), (new,), f"as found so far, {words}")
         left = residual_words(step.error.motion_percent, step.error.chi_square)
-        progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
-        if not step.added and not step.removed:
-            return
-        new = _kept(step, top.model.expressions)
-        kept = _extended(replace(refinement, ladder=kept), (new,), f"as found so far, {words}")
-        if found_so_far is not None:
-            did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
-            found_so_far(kept, f"{did}; looking for what else is missing")
+        found_so_far(kept, f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
 
     start = known.values | top.nuisances
     found = refine(

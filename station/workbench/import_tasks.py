@@ -1,4 +1,4 @@
-"""The worker's task that makes sessions of dropped files: one alone, or several of one logger by one recipe."""
+"""The tasks of a worker that make sessions: of an example, or of dropped files, several of one logger by one recipe."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,6 +13,7 @@ from station.campaign import files as campaign_files
 from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.exits import UsageProblem
+from station.operations import examples
 from station.operations.new_session import session_info
 from station.operations.workers import Say, on_the_page
 from station.results.kept_recipes import look_with_kept
@@ -23,6 +24,11 @@ from station.text.content import Paragraph
 from station.workbench.parts import part
 from station.workbench.session_list import outline
 from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
+
+
+def open_example(settings: Settings, say: Say, name: str) -> str:
+    """Import a recording that comes with the station, unless it is there already; return its session's name."""
+    return examples.open_example(name, settings.sessions).folder.name
 
 
 def import_files(

@@ -10,7 +10,7 @@ from nicegui import background_tasks, ui
 from identify.formatting import plain_name
 from station.operations import refining
 from station.report.write import NAME
-from station.workbench import further_tasks, tasks, telling, widgets
+from station.workbench import tasks, telling, widgets
 from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
@@ -26,7 +26,7 @@ from station.workbench.waiting import BusyLine, TellingPanel
 
 TICK_S = 0.05
 SLOW_S = 0.4
-"""Seconds after which a step that was thought to be short is shown to run."""
+"""Seconds after which a computation is shown to run."""
 
 STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rerun"
 PICTURES = {
@@ -81,9 +81,9 @@ class Page:
         if self._session is not None and self._key is not None:
             SessionMenu(self._state, self._session, self._key)
             with widgets.line().props("aria-live=polite"):
-                self._report = TellingPanel(self._session, further_tasks.report, "gathering")
+                self._report = TellingPanel(self._session, telling.report, "gathering")
                 if self._state.session_list.result_of(self._key, NAME):
-                    self._report.show(further_tasks.way_to_report(self._key))
+                    self._report.show(telling.way_to_report(self._key))
             widgets.button("Report", self._write_report, "Write the report of this session")
         widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
@@ -126,7 +126,7 @@ class Page:
                 doing = "Identifying: envelope and frequency, and the restoring force surface"
                 self._identified = TellingPanel(session, telling.identified, doing)
             with ui.tab_panel(RERUN):
-                self._viewer = TellingPanel(session, further_tasks.viewer, "Writing the viewer's recording")
+                self._viewer = TellingPanel(session, telling.viewer, "Writing the viewer's recording")
 
     def _actions(self, session: SessionState, validate: Callable[[], Any]) -> dict[str, Callable[[str], Any]]:
         """Name what a click on an element of `parts.html` does, by the name that the element carries."""
@@ -134,7 +134,7 @@ class Page:
         return {
             "add": session.add,
             "diagnose": lambda _: session.diagnose(),
-            "refine": lambda _: session.start("Refining", tasks.refine, long=True),
+            "refine": lambda _: session.start("Refining", tasks.refine),
             "reveal": lambda _: session.start("Asking the simulated board", tasks.reveal),
             "go": lambda place: session.change(f"Going to step {place}", refining.go_to, int(place)),
             "undo": lambda _: session.undo(),
@@ -194,7 +194,7 @@ class Page:
         """Show what runs. The loop takes no clicks while it computes; what it shows stays readable."""
         words, running = "", session.running
         seconds = time.monotonic() - running.since if running is not None else 0.0
-        if running is not None and (running.long or seconds > SLOW_S):
+        if running is not None and seconds > SLOW_S:
             doing = session.progress or "waiting for a free worker"
             words = f"{running.title}: {doing} ({seconds:.0f} s)"
         self._busy.show(words, session.share_done)

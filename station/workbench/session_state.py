@@ -28,11 +28,10 @@ MOST_UNDONE = 50
 
 @dataclass(frozen=True)
 class Running:
-    """A computation under way: what it is called, since when (monotonic s), and whether it may take long."""
+    """A computation under way: what it is called, and since when (monotonic s)."""
 
     title: str
     since: float
-    long: bool
 
 
 class SessionState:
@@ -70,13 +69,13 @@ class SessionState:
         if self.running is None and (self.view is None or self.view.stamp != results_stamp(self.folder)):
             self.start("Reading and fitting", tasks.look)
 
-    def start(self, title: str, task: Task, *arguments: Any, long: bool = False) -> bool:
+    def start(self, title: str, task: Task, *arguments: Any) -> bool:
         """Begin a task that returns a view; False while another is under way."""
         if self.running is not None:
             self.notice = f"{self.running.title} is under way; wait, or cancel it"
             self.changed()
             return False
-        self.running = Running(title, time.monotonic(), long)
+        self.running = Running(title, time.monotonic())
         self.progress = self.problem = ""
         self.notice = self.notice if task is tasks.look else ""
         self.version += 1  # shown in a moment: the task goes first
@@ -95,7 +94,7 @@ class SessionState:
 
     def diagnose(self, title: str = "Trying every effect") -> None:
         """Ask what the present model lacks."""
-        self.start(title, tasks.diagnose, self.others, long=True)
+        self.start(title, tasks.diagnose, self.others)
 
     def changed(self) -> None:
         """Tell every tab that there is something to show."""

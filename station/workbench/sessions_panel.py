@@ -14,12 +14,12 @@ from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.operations.workers import Failed, Task
-from station.workbench import further_tasks, widgets
-from station.workbench.import_tasks import import_files
+from station.workbench import widgets
+from station.workbench.import_tasks import import_files, open_example
 from station.workbench.parts import part
 from station.workbench.session_list import Entry, address_of
+from station.workbench.session_menu import plain_name
 from station.workbench.session_state import AppState
-from station.workbench.stored_sessions import plain_name
 from station.workbench.view_models import Imported, ImportQuestion
 from station.workbench.waiting import Waiting
 
@@ -161,7 +161,7 @@ class SessionsPanel:
 
     async def _open_example(self, name: str) -> None:
         if not self._waiting.busy:
-            key = await self._do(f"reading {name}", further_tasks.open_example, name)
+            key = await self._do(f"reading {name}", open_example, name)
             if key is not None:
                 with self._message:  # the button may be gone by now
                     ui.navigate.to(address_of(key))

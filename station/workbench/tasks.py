@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from daq.exporting import encode
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
@@ -19,6 +20,7 @@ from station.exits import Problem, UsageProblem
 from station.operations.current_model import current_model
 from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions, keep
 from station.operations.examples import EXAMPLES, examples_folder
+from station.operations.exporting import fitted_samples
 from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
@@ -27,7 +29,6 @@ from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
 from station.settings import Settings
-from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording
 from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
@@ -100,7 +101,7 @@ def refine(settings: Settings, say: Say, folder: Path) -> View:
         say(_view(settings, opened, ladder))
         say(words)
 
-    return _view(settings, opened, refine_to_floor(opened.refinement, silent, seen))
+    return _view(settings, opened, refine_to_floor(opened.refinement, seen))
 
 
 def begin_again(settings: Settings, say: Say, folder: Path) -> View:
@@ -179,6 +180,13 @@ def _tried(opened: Opened, wanted: str) -> Drawn:
     words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.chi2_std)
     says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
     return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+
+
+def export(settings: Settings, say: Say, folder: Path) -> str:
+    """Write the aligned channels, the present model and the residuals as CSV."""
+    say("writing the samples")
+    opened = open_session(settings, folder)
+    return encode(fitted_samples(opened.refinement, opened.present_fit()), "csv").decode()
 
 
 def warm_up(*_: object) -> None:

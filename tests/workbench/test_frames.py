@@ -16,13 +16,13 @@ from identify.fitting.misfit_errors import with_misfit_errors
 from identify.formatting import SPACE, with_error
 from identify.model.model import Term, base_model
 from station.operations.examples import open_example
+from station.operations.exporting import fitted_samples
 from station.results.models import model_file
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session
 from station.workbench.frames import frame_of, stage_of
-from station.workbench.further_tasks import fitted_samples
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 HIDDEN = {"release_14": "cubic_stiffness", "release_07": "offset_drift"}

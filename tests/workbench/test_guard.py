@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.workbench.stored_sessions import plain_name
+from station.workbench.session_menu import plain_name
 
 
 def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(tmp_path):

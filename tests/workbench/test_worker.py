@@ -196,7 +196,7 @@ def test_the_page_names_no_option_of_a_command(typed, shown):
 def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():
     session = SessionState(Path("none"), Answering({}))  # type: ignore[arg-type]
     assert session.share_done is None
-    session.running = Running("Trying every effect", 0.0, True)
+    session.running = Running("Trying every effect", 0.0)
     for words, share in (
         ("fit 12 of 48", 0.25),
         ("drawing suspect 8 of 8", 1.0),
