@@ -21,7 +21,7 @@ from station.operations.diagnosing import compare_session, diagnose_sessions, ke
 from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
-from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
+from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated
 from station.output import asked_for_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
@@ -91,8 +91,9 @@ def solve(
 ) -> tuple[Solved, str | None]:
     """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
-    wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, url, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
+    session, url, envelope = record_simulated(
+        settings, f"mystery {seed}", seed, speed, where, not no_viewer, BOARD
+    )
     refinement = open_refinement(session, settings)
     sessions = SessionSet((session,), (refinement.prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")

@@ -66,12 +66,7 @@ def simulated_capture(settings: Settings, specimen: str, speed: float) -> Captur
 
 
 def record_simulated(
-    wanted: CaptureSettings,
-    seed: int,
-    speed: float,
-    folder: Path,
-    with_viewer: bool,
-    module: str = "mocks",
+    settings: Settings, specimen: str, seed: int, speed: float, folder: Path, with_viewer: bool, module: str
 ) -> tuple[Session, str | None, str]:
     """Record one release; return the session, the live viewer's URL, and how the board was made, as JSON.
 
@@ -80,7 +75,7 @@ def record_simulated(
 
     def act(port: str) -> tuple[Session, str | None]:
         progress(f"a simulated board answers at {port}")
-        return record(port, wanted, folder, with_viewer)
+        return record(port, simulated_capture(settings, specimen, speed), folder, with_viewer)
 
     (session, url), made_of = on_simulated(act, seed, speed, module=module)
     return session, url, made_of

@@ -134,19 +134,16 @@ def _prepared(
 ) -> tuple[list[tuple[Session, PreparedDecay]], dict[str, str]]:
     """Return the sessions that can be predicted, prepared, and why others cannot."""
     own = {session.folder.resolve() for session in given.fitted_to}
-
-    def prepared(session: Session) -> PreparedDecay:
-        if session.folder.resolve() in own:
-            raise NotIdentifiable(OWN)
-        decay = prepare_session(session, settings)
-        _check_suits(given, session.folder.name, decay)
-        return decay
-
-    ready, skipped = of_each(opened, prepared)
-    if not ready and set(skipped.values()) == {OWN}:
+    new = [session for session in opened if session.folder.resolve() not in own]
+    skipped = {session.folder.name: OWN for session in opened if session not in new}
+    if not new:
         raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
+    ready, too_little = of_each(new, lambda session: prepare_session(session, settings))
+    skipped |= too_little
     if not ready:
         raise NotIdentifiable(f"no session can be predicted: {'; '.join(by_reason(skipped))}")
+    for session, decay in ready:
+        _check_suits(given, session.folder.name, decay)
     for reason in by_reason(skipped):
         progress(f"skipped: {reason}")
     return ready, skipped

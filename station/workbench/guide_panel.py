@@ -19,7 +19,7 @@ from station.text.diagnosis_text import headline
 from station.text.guide_text import ENDINGS, gave, odds_of, to_do
 from station.workbench import widgets
 from station.workbench.capture_panel import CapturePanel
-from station.workbench.capture_run import CaptureRun, ScopeTrace, mystery
+from station.workbench.capture_run import CaptureRun, mystery
 from station.workbench.parts import part
 from station.workbench.session_state import AppState
 
@@ -54,7 +54,7 @@ class GuideRun(CaptureRun):
         """Note what to release, and why."""
         assert told.experiment is not None
         duration = self._test.capture.duration_s * told.experiment.longer
-        self._trace = ScopeTrace(replace(self._test.capture, duration_s=duration))
+        self._settings = replace(self._test.capture, duration_s=duration)
         self.guide = replace(self.guide, to_do=f"Release {number}: {to_do(told)}", why=told.words)
 
     def observer(self) -> CaptureObserver:

@@ -19,7 +19,7 @@ from station.settings import Settings
 from station.story.pipeline import silent
 from station.story.residual import explained_words
 from station.workbench import session_menu
-from station.workbench.capture_run import ScopeTrace
+from station.workbench.capture_run import ScopeObserver
 from station.workbench.opened_session import open_session
 from station.workbench.parts import begun
 from station.workbench.session_list import outline
@@ -126,12 +126,12 @@ def test_a_mass_below_nothing_is_refused_in_words(kept):
 
 def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
     channel = Channel("displacement", "displacement", "m", low=-0.05, high=0.05)
-    trace = ScopeTrace(CaptureSettings())
-    trace.connected((channel,))
-    trace.state("resting")
+    watched = ScopeObserver(CaptureSettings())
+    watched.connected(None, (channel,))
+    watched.state("resting", "")
     noise = np.random.default_rng(5).normal(scale=2e-6, size=(1, 800))
-    trace.block(0.003 + noise)
-    found = trace.scope()
+    watched.block(0, 0.003 + noise)
+    found = watched.now.scope
     assert found.unit == "mm"
     assert found.zero == pytest.approx(3.0, abs=1e-3)
     assert found.noise == pytest.approx(2e-3, rel=0.1)
