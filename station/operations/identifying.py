@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from daq.errors import NotASession
+from daq.manifest import known_manifest
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Answered, UsageProblem
@@ -29,14 +29,11 @@ def identify_session(
     progress("identifying by both methods")
     found = locate(recording, options)
     result = identify(recording, options, found)
-    try:
-        doubt = recording_doubt(session.manifest())
-    except NotASession:  # it is not sealed
-        doubt = ""
+    sealed = known_manifest(session.folder)
     try:
         progress("fitting the identified model")
         prepared = with_floor(prepare_recording(recording, options, found=found))
-        result = with_adequacy(result, prepared, doubt)
+        result = with_adequacy(result, prepared, "" if sealed is None else recording_doubt(sealed))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)

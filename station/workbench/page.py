@@ -38,8 +38,8 @@ PICTURES = {
 class Page:
     """One browser tab."""
 
-    def __init__(self, state: AppState, key: str | None, host: str, step: int | None = None) -> None:
-        self._state, self._key, self._host, self._step = state, key, host, step
+    def __init__(self, state: AppState, key: str | None, host: str) -> None:
+        self._state, self._key, self._host = state, key, host
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
@@ -217,9 +217,6 @@ class Page:
         if self._head_tabs.value in (DETAILS, NUMBERS) and session.running is None:
             background_tasks.create(self._open_tab())
         self._feed.send()
-        if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
-            ui.run_javascript(f"bench.filmTo({self._step})")
-            self._step = None
 
 
 class StageFeed:
@@ -229,12 +226,6 @@ class StageFeed:
         self._session = session
         self._stage: Drawing = {}
         self._sent: set[str] = set()
-
-    @property
-    def whole(self) -> bool:
-        """Whether every step's frame was sent."""
-        view = self._session.view
-        return view is not None and self._sent.issuperset(view.step_frames)
 
     def send(self) -> None:
         """Send what is new since the last time."""

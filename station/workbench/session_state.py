@@ -23,8 +23,6 @@ from station.workbench.session_list import SessionList
 from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
 
-MOST_UNDONE = 50
-
 
 @dataclass(frozen=True)
 class Running:
@@ -154,7 +152,7 @@ class SessionState:
         before, self.view = self.view, found
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
-            self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder][-MOST_UNDONE:]
+            self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder]
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
             self.suspects = Drawn()
         wanted = {*found.step_frames, *self.suspects.suspects.values()}

@@ -2,7 +2,7 @@
 // before, so pointing at a suspect asks nothing of the server.
 (() => {
   const bench = (window.bench = window.bench || {}), SURE = [1.6, 2.6], NONE = [];
-  const S = (bench.state = { stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, best: null, film: null, pointed: null, selected: null, channel: 0 });
+  const S = (bench.state = { stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, best: null, film: null, asked: new URLSearchParams(location.search).get("step"), pointed: null, selected: null, channel: 0 });
   const frameOf = (id) => (id && S.frames[id]) || null, filmAt = () => (S.film === null ? S.present : S.film);
   bench.previewed = () => [S.pointed, S.selected].find((name) => name && frameOf(S.suspects[name])) || null;
   bench.shown = () => frameOf(S.suspects[bench.previewed()]) || frameOf(S.steps[filmAt()]) || frameOf(S.steps[S.present]);
@@ -20,6 +20,8 @@
     if (another) { S.best = S.steps.length ? news.best : null; S.present = news.present; S.film = S.selected = null; }
     if (news.steps) S.steps = news.steps;
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
+    // The step of the address, which one looked at before the page was loaded again.
+    if (S.asked !== null && frameOf(S.steps[S.asked])) { S.film = Number(S.asked) === S.present ? null : Number(S.asked); S.asked = null; }
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
     if (S.stage && first()) S.reach = reachOf(first());  // colours are those of the first model, whatever is shown
     bench.draw();
