@@ -109,10 +109,12 @@ def _with_policy(send: Send, host: str) -> Send:
         if message["type"] == "http.response.start":
             policy = PAGE.format(socket=f"ws://{host}", nonce=nonce)
             headers = MutableHeaders(scope=message)
-            headers["content-security-policy"] = policy
+            own = (
+                headers.setdefault("content-security-policy", policy) == policy
+            )  # a report has a stricter one
             headers["x-content-type-options"] = "nosniff"
             headers["referrer-policy"] = "no-referrer"
-            if headers.get("content-type", "").startswith("text/html"):
+            if own and headers.get("content-type", "").startswith("text/html"):
                 begun = message
                 return
         elif begun and message["type"] == "http.response.body":

@@ -261,6 +261,21 @@ def test_of_scripts_in_the_page_those_that_the_server_wrote_are_run(bench):
     assert nonce not in ask(bench).headers["Content-Security-Policy"]
 
 
+def test_a_report_that_a_stranger_wrote_runs_no_script(bench):
+    bench.fresh("mystery_7", "foreign")
+    bench.results("foreign").mkdir(exist_ok=True)
+    (bench.results("foreign") / "report.html").write_text("<script>alert(1)</script>")
+    place = urlsplit(bench.address)
+    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=10)
+    connection.request("GET", "/report/foreign", headers={"Cookie": cookie_of(bench)})
+    answer = connection.getresponse()
+    assert answer.read() == b"<script>alert(1)</script>"  # it gets no nonce
+    connection.close()
+    policy = answer.headers["Content-Security-Policy"]
+    assert policy.startswith("sandbox allow-modals; default-src 'none'")
+    assert "script-src" not in policy
+
+
 def test_a_name_that_was_made_to_point_here_is_refused(bench):
     """A browser sends the cookie to the name alone by which it got it."""
     assert ask(bench, token=False, Host="evil.example").status == 403
