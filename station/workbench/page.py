@@ -91,16 +91,25 @@ class Page:
         self._busy = BusyLine(lambda: self._session.cancel() if self._session else None, "card tight busybar")
         with widgets.line("card tight notice") as self._notice:
             self._said = widgets.label("", "grow wrap")
-            widgets.button("Close", self._close_notice, "Close the message")
+            widgets.button(
+                "Close", lambda: self._session.say("") if self._session else None, "Close the message"
+            )
         self._notice.set_visibility(False)
         self._scope = ScopePanel()
-        self._empty = EmptyMiddle(self._session, self._key, self._capture.solve_mystery)
+        does = {
+            "solve": lambda _: self._capture.solve_mystery(),
+            "examples": lambda _: ui.run_javascript("bench.toExamples()"),
+        }
+        with ui.element("div").classes("empty grow") as self._empty:
+            self._words = widgets.html("contents", does)
+            if self._session is not None:
+                self._recorded = TellingPanel(self._session, telling.recorded, "Drawing what was recorded")
         self._tabs = ui.element("div").classes("story-tabs")
         if self._session is not None:
             with self._tabs:
                 self._build_tabs(self._session)
         self._tabs.set_visibility(False)
-        self._empty.show(visible=True)
+        self._say_why_empty()
 
     def _build_tabs(self, session: SessionState) -> None:
         sessions, self._feed = self._state.session_list, StageFeed(session)
@@ -170,20 +179,15 @@ class Page:
 
     def _record(self, capture: CaptureRun) -> None:
         """Give the middle to the scope; the session of the recording is opened when it is sealed."""
-        for place in (self._empty.place, self._tabs, self._right):
+        for place in (self._empty, self._tabs, self._right):
             place.set_visibility(False)
         self._scope.follow(capture)
         self._seen = -1
 
-    def _close_notice(self) -> None:
-        if self._session is not None:
-            self._session.notice = ""
-            self._session.changed()
-
     def _tick(self) -> None:
         session = self._session
         if session is None:
-            self._empty.place.set_visibility(not self._scope.visible)
+            self._empty.set_visibility(not self._scope.visible)
             return
         self._show_busy(session)
         if session.version != self._seen and not self._scope.visible:
@@ -202,14 +206,26 @@ class Page:
             if bool(place.props.get("inert")) != bool(words):
                 place.props.set_bool("inert", bool(words))
 
+    def _say_why_empty(self) -> None:
+        """Say how it stands where there is nothing to show of a session, or no session."""
+        problem = "" if self._session is None else self._session.problem
+        self._words.content = part("empty", self._key, self._session is not None, problem)
+        if problem:
+            background_tasks.create(self._draw())
+
+    async def _draw(self) -> None:
+        with self._empty:
+            await self._recorded.open(await widgets.is_dark())
+
     def _show(self, session: SessionState) -> None:
         view = session.view
         self._said.text = session.notice
         self._notice.set_visibility(bool(session.notice))
         for place in (self._head_tabs, self._tabs):
             place.set_visibility(view is not None)
-        self._empty.show(visible=view is None)
+        self._empty.set_visibility(view is None)
         if view is None:
+            self._say_why_empty()
             return
         self._right.set_visibility(self._head_tabs.value != RERUN)
         self._ladder.content = part("fall", view, bool(session.earlier), switched_off(view.ladder))
@@ -253,32 +269,3 @@ class StageFeed:
         news["frames"] = {name: frame for name, frame in session.frames.items() if name in wanted}
         self._sent.update(news["frames"])
         ui.run_javascript(f"bench.receive({json.dumps(news)})")
-
-
-class EmptyMiddle:
-    """Seen while there is nothing to show of a session, or no session."""
-
-    def __init__(
-        self, session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]
-    ) -> None:
-        self._session, self._key = session, key
-        does = {
-            "solve": lambda _: solve_mystery(),
-            "examples": lambda _: ui.run_javascript("bench.toExamples()"),
-        }
-        with ui.element("div").classes("empty grow") as self.place:
-            self._words = widgets.html("contents", does)
-            if session is not None:
-                self._recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
-
-    def show(self, visible: bool) -> None:
-        """Say how it stands, where the middle is empty."""
-        self.place.set_visibility(visible)
-        problem = "" if self._session is None else self._session.problem
-        self._words.content = part("empty", self._key, self._session is not None, problem)
-        if problem and visible:
-            background_tasks.create(self._draw())
-
-    async def _draw(self) -> None:
-        with self.place:
-            await self._recorded.open(await widgets.is_dark())

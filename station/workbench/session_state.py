@@ -70,8 +70,7 @@ class SessionState:
     def start(self, title: str, task: Task, *arguments: Any) -> bool:
         """Begin a task that returns a view; False while another is under way."""
         if self.running is not None:
-            self.notice = f"{self.running.title} is under way; wait, or cancel it"
-            self.changed()
+            self.say(f"{self.running.title} is under way; wait, or cancel it")
             return False
         self.running = Running(title, time.monotonic())
         self.progress = self.problem = ""
@@ -93,6 +92,11 @@ class SessionState:
     def diagnose(self, title: str = "Trying every effect") -> None:
         """Ask what the present model lacks."""
         self.start(title, tasks.diagnose, self.others)
+
+    def say(self, notice: str) -> None:
+        """Show a notice in every tab; "" closes the one that is shown."""
+        self.notice = notice
+        self.changed()
 
     def changed(self) -> None:
         """Tell every tab that there is something to show."""
