@@ -75,10 +75,10 @@ def diagnose_sessions(
     *,
     worth: float = 0.0,
 ) -> tuple[Diagnosis, DiagnosisDocument]:
-    """Diagnose sessions together: what their current model lacks, or another `model`, or that of its file.
+    """Diagnose sessions together: what their current model lacks, or another `model`, or that of its file; keep the answer.
 
     `steps` gets each fit as it is counted, `progress` only the long steps. Returns the diagnosis and its document, which
-    `keep` writes; of several sessions it has the error on each of what was found on the others.
+    of several sessions has the error on each of what was found on the others.
     """
     library = whole_library(effects_file)
     if not isinstance(model, KnownModel):
@@ -93,10 +93,12 @@ def diagnose_sessions(
     document = diagnosis_document(sessions.names, found, model.expressions, left_out)
     of_sessions = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
     said = {"model_is": model.words, "model_remark": model.remark}
-    return found, document.model_copy(update=of_sessions | said)
+    document = document.model_copy(update=of_sessions | said)
+    keep(sessions, document, progress)
+    return found, document
 
 
-def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress = say) -> None:
+def keep(sessions: SessionSet, document: DiagnosisDocument, tell: Progress) -> None:
     """Write results/diagnosis.json into each session; `tell` gets a sentence on each that may not be written."""
     for session in sessions.sessions:
         keep_document(session, NAME, document, tell)

@@ -22,6 +22,7 @@ from station.operations.diagnosing import keep
 from station.operations.new_session import metres
 from station.operations.provisional import Provisional
 from station.operations.session_set import SessionSet
+from station.output import progress
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.documents import picked
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
@@ -119,7 +120,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
                     "next_release": next_release_document(told.chosen),
                     "judged_s": time.monotonic() - began,
                 }
-                keep(trial, document)
+                keep(trial, document, progress)
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)

@@ -17,7 +17,7 @@ from identify.estimate import Estimate
 from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
 from station.exits import UsageProblem
-from station.operations.diagnosing import compare_session, diagnose_sessions, keep
+from station.operations.diagnosing import compare_session, diagnose_sessions
 from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
@@ -102,7 +102,6 @@ def solve(
     show(console, replace(comparison_text.told(compared), brief=facts(worst)))
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
-    keep(sessions, document)
     show(console, diagnosis_text.told(document, refinement.weighing))
     ladder = refinement.ladder
     if document.named:

@@ -72,17 +72,15 @@ def open_refinement(
             format=1,
             steps=(_kept(step, begun.expressions, begun.words),),
             present=0,
-            floor=floor_of(prepared, step),
+            floor=Errors(
+                force_mse_percent=force_floor_percent(prepared, prepared.restoring),
+                motion_percent=noise_percent(step.fit),
+                chi2=1.0,
+            ),
             seen=replaced,
         )
     weighing = weighing_of(session, settings, prepared.window.unit)
     return Refinement(session, prepared, library, ladder, weighing)
-
-
-def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
-    """Compute the three errors that noise alone gives."""
-    force = force_floor_percent(prepared, prepared.restoring)
-    return Errors(force_mse_percent=force, motion_percent=noise_percent(step.fit), chi2=1.0)
 
 
 def step_again(refinement: Refinement, step: KeptStep) -> Step:

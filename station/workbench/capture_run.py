@@ -183,12 +183,7 @@ def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager
 class CaptureRun(ScopeObserver):
     """A capture into a new `folder` in a thread of its own, until it is sealed, fails, or is cancelled."""
 
-    def __init__(
-        self,
-        board: AbstractContextManager[str],
-        settings: CaptureSettings,
-        folder: Path,
-    ) -> None:
+    def __init__(self, board: AbstractContextManager[str], settings: CaptureSettings, folder: Path) -> None:
         super().__init__(settings)
         self.folder, self._board = folder, board
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)

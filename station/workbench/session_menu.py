@@ -1,12 +1,10 @@
 """The menu of a session: rename, notes, what is known of the specimen, export; delete moves it into the bin."""
 
 import os
-import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from nicegui import ui
 
@@ -15,29 +13,17 @@ from daq.session import Session
 from daq.storage import Lock
 from station.exits import Problem, UsageProblem
 from station.operations.workers import Failed
+from station.results.sessions import plain
 from station.workbench import tasks, widgets
 from station.workbench.session_list import address_of
 from station.workbench.session_state import AppState, SessionState
 
 BIN = ".bin"
-LONGEST = 100
-"""Letters of a name."""
-
-
-def plain_name(given: str) -> str:
-    """Return the last part of a name with letters, digits, dots and dashes only; "recording" where nothing is left."""
-    last = re.split(r"[/\\]", given)[-1]
-    stem, dot, ending = last.rpartition(".")
-    if not dot:
-        stem, ending = last, ""
-    stem = re.sub(r"[^\w.-]+", "_", stem).strip("._")[:LONGEST] or "recording"
-    ending = re.sub(r"[^A-Za-z0-9]+", "", ending)[:10]
-    return f"{stem}.{ending}" if ending else stem
 
 
 def rename(folder: Path, wanted: str) -> Path:
     """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
-    name = plain_name(re.sub(r"[/\\]", "_", wanted)) if wanted.strip() else ""
+    name = plain(wanted) if wanted.strip() else ""
     if not name:
         raise UsageProblem("a session needs a name of letters, digits, dots and dashes")
     place = folder.with_name(name)
@@ -48,19 +34,6 @@ def rename(folder: Path, wanted: str) -> Path:
     _move(folder, place)
     Session.open(place).update(name=name)
     return place
-
-
-def describe(folder: Path, **changes: Any) -> None:
-    """Change what a session says of itself: `remarks`, `specimen`, `operator`, `mass_kg` (kg).
-
-    Raises UsageProblem where a value is out of range.
-    """
-    if "mass_kg" in changes and changes["mass_kg"] is not None and not changes["mass_kg"] > 0:
-        raise UsageProblem(f"the mass must be more than 0 kg, not {changes['mass_kg']:g} kg")
-    try:
-        Session.open(folder).update(**changes)
-    except StationError as error:
-        raise UsageProblem(f"{folder.name} was not changed: {error}") from error
 
 
 def to_bin(folder: Path) -> Path:
@@ -112,7 +85,7 @@ class SessionMenu:
 
         def save() -> None:
             changes = {name: field.value or "" for name, field in texts.items()}
-            describe(folder, **changes, mass_kg=mass.value)
+            Session.open(folder).update(**changes, mass_kg=mass.value or None)
             place = rename(folder, str(name.value or ""))
             if place != folder:
                 self._leave(place, address_of(place.name))
@@ -144,12 +117,12 @@ class SessionMenu:
 
     @contextmanager
     def _asking(self, title: str, does: Callable[[], None], yes: str, no: str) -> Iterator[None]:
-        """Show the dialog with what is made inside, and the answers under it; a Problem of what is done stands there."""
+        """Show the dialog with what is made inside, and the answers under it; what could not be done is said there."""
 
         def attempt() -> None:
             try:
                 does()
-            except Problem as error:
+            except (Problem, StationError) as error:
                 problem.text = str(error)
 
         self._body.clear()

@@ -14,13 +14,12 @@ from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.operations.workers import Failed, Task
+from station.results.sessions import plain
 from station.workbench import widgets
-from station.workbench.import_tasks import import_files, open_example
+from station.workbench.import_tasks import Imported, ImportQuestion, import_files, open_example
 from station.workbench.parts import part
 from station.workbench.session_list import Entry, address_of
-from station.workbench.session_menu import plain_name
 from station.workbench.session_state import AppState
-from station.workbench.view_models import Imported, ImportQuestion
 from station.workbench.waiting import Waiting
 
 LARGEST = 200 << 20
@@ -174,7 +173,7 @@ class SessionsPanel:
         self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its files
         files = []
         for one in given.files:
-            files.append(Path(self._folder.name) / plain_name(one.name))
+            files.append(Path(self._folder.name) / plain(one.name))
             await one.save(files[-1])
         await self._import(sorted(files))
 

@@ -13,12 +13,11 @@ from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect
-from identify.effects.library import LIBRARY
+from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.current_model import current_model
-from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions, keep
+from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions
 from station.operations.examples import EXAMPLES, examples_folder
 from station.operations.exporting import fitted_samples
 from station.operations.mystery import hidden_words, what_was_hidden
@@ -130,8 +129,7 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
     if others:
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         check_same_bench(sessions, False, say)
-    _, document = diagnose_sessions(sessions, current_model((session,)), None, say, say)
-    keep(sessions, document, say)
+    diagnose_sessions(sessions, current_model((session,)), None, say, say)
     return _view(settings, opened, refinement.ladder)
 
 
@@ -193,6 +191,5 @@ def warm_up(*_: object) -> None:
     """Fit, extend and compare a recording that comes with the station; a worker's task like the others."""
     recording = look_at(examples_folder() / EXAMPLES[0].file).read().recordings[0]
     prepared = prepare_recording(recording, Options())
-    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
-    step = add_effect(first_step((prepared,)), friction)
+    step = add_effect(first_step((prepared,)), find_effect("stribeck_friction"))
     compare_fitted(step.baseline)

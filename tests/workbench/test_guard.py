@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.workbench.session_menu import plain_name
+from station.results.sessions import plain
 
 
 def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(tmp_path):
@@ -17,13 +17,13 @@ def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(t
     ("given", "kept"),
     [
         ("decay.csv", "decay.csv"),
-        ("../../.ssh/authorized_keys", "authorized_keys"),
-        ("C:\\Windows\\decay.MAT", "decay.MAT"),
-        ("<b>x</b>.csv", "b.csv"),
+        ("../../.ssh/authorized_keys", "ssh_authorized_keys"),
+        ("C:\\Windows\\decay.MAT", "C_Windows_decay.MAT"),
+        ("<b>x</b>.csv", "b_x_b_.csv"),
         ("..", "recording"),
-        ("\x00.csv", "recording.csv"),
+        ("\x00.csv", "csv"),
         ("ä ö.csv", "ä_ö.csv"),
     ],
 )
 def test_a_file_name_leads_out_of_no_folder(given, kept):
-    assert plain_name(given) == kept
+    assert plain(given) == kept

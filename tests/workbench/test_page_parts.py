@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from daq.capture import CaptureSettings
-from daq.errors import DataLost
+from daq.errors import DataLost, OperatorError
 from daq.recording import Channel
+from daq.session import Session, list_sessions
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import plain_name
 from identify.model.model import Model, Term
@@ -58,11 +59,9 @@ def kept(tmp_path):
 
 
 def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
-    from daq.session import Session, list_sessions
-
     place = session_menu.rename(kept, " Motor 2/links ")
     assert (place.name, Session.open(place).info.name) == ("Motor_2_links", "Motor_2_links")
-    session_menu.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
+    Session.open(place).update(remarks="bolt M8 loose", mass_kg=3.5)
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
     binned = session_menu.to_bin(place)
     assert list_sessions(place.parent) == ()
@@ -120,8 +119,8 @@ def test_a_raw_log_that_was_damaged_is_named_with_what_to_do(kept, left, said):
 
 
 def test_a_mass_below_nothing_is_refused_in_words(kept):
-    with pytest.raises(UsageProblem, match=r"must be more than 0 kg, not -3 kg"):
-        session_menu.describe(kept, mass_kg=-3.0)
+    with pytest.raises(OperatorError, match=r"mass_kg.*greater than 0"):
+        Session.open(kept).update(mass_kg=-3.0)
 
 
 def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
