@@ -71,9 +71,11 @@ def validate_sessions(
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
     changed = declared([varies, *(session.info.varies for session, _ in ready)])
-    decays = changed_on_purpose([decay for _, decay in ready], changed, _spring_of(given))
+    strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
+    spring = 0.0 if strength is None else float(given.known.values[str(strength)])
+    decays = changed_on_purpose([decay for _, decay in ready], changed, spring)
     known = [prepared_or_none(session, settings) for session in given.fitted_to]
-    own = changed_on_purpose([decay for decay in known if decay is not None], changed, _spring_of(given))
+    own = changed_on_purpose([decay for decay in known if decay is not None], changed, spring)
     progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
@@ -104,12 +106,6 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
         source, said = session.folder.name, f"the model of {session.folder.name}"
         file, fitted_to = _kept_model(session)
     return GivenModel(source, file, known_model(file, said, library), fitted_to)
-
-
-def _spring_of(given: GivenModel) -> float:
-    """Return the stiffness of a model, 1/s^2; 0 where it has none."""
-    strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
-    return 0.0 if strength is None else float(given.known.values[str(strength)])
 
 
 def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:

@@ -145,10 +145,10 @@ def _key(now: Progress) -> str:
 
 
 class ScopePanel:
-    """Shown in the tab that records; it opens the session when that is sealed."""
+    """Shown in the tab that records, while there is a `run`; it opens the session when that is sealed."""
 
     def __init__(self) -> None:
-        self._run: CaptureRun | None = None
+        self.run: CaptureRun | None = None
         self._shown: Progress | None = None
         self._panel = ui.element("section").classes("scope-panel").props('aria-label="The scope"')
         with self._panel:
@@ -158,7 +158,7 @@ class ScopePanel:
                     self._what = widgets.label("", "what")
                     self._more = widgets.label("", "more")
                 widgets.button(
-                    "Cancel", lambda: self._run.cancel() if self._run else None, "Cancel the capture"
+                    "Cancel", lambda: self.run.cancel() if self.run else None, "Cancel the capture"
                 )
             widgets.chart("scope", "Live scope", "scope")
             self._levels = widgets.html("card tight")
@@ -167,20 +167,15 @@ class ScopePanel:
 
     def follow(self, capture: CaptureRun) -> None:
         """Show a capture from now on."""
-        self._run = capture
+        self.run = capture
         self._panel.set_visibility(True)
 
-    @property
-    def visible(self) -> bool:
-        """Whether the panel has the middle."""
-        return bool(self._panel.visible)
-
     def _tick(self) -> None:
-        if self._run is None or self._run.now is self._shown:
+        if self.run is None or self.run.now is self._shown:
             return
-        now = self._shown = self._run.now
+        now = self._shown = self.run.now
         if now.finished:
-            self._run = None
+            self.run = None
             self._panel.set_visibility(False)
             if now.session is not None:
                 ui.navigate.to(address_of(now.session.folder.name))

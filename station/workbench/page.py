@@ -187,10 +187,10 @@ class Page:
     def _tick(self) -> None:
         session = self._session
         if session is None:
-            self._empty.set_visibility(not self._scope.visible)
+            self._empty.set_visibility(self._scope.run is None)
             return
         self._show_busy(session)
-        if session.version != self._seen and not self._scope.visible:
+        if session.version != self._seen and self._scope.run is None:
             self._seen = session.version
             self._show(session)
 
