@@ -41,8 +41,8 @@ def stage_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
     """Settle the axes of a session, which depend on the release alone, not on a model; `fit` gives its window.
 
     The stage holds `time` (s since the release); `traces`, one for each channel: its name, the measured `values` in `unit`,
-    and the `fine_unit` of residual and noise; the `units` of displacement "u", velocity "v" and force "f"; and the `largest`
-    displacement and velocity in them.
+    and the `fine_unit` of residual and noise; the `units` of displacement "u", velocity "v" and force "f"; the `largest`
+    displacement and velocity in them; and the `mass` that the forces of all frames have in them.
     """
     window, motion = fit.windows[0], prepared.motion
     factor, unit = scale("displacement", window.unit)
@@ -51,6 +51,7 @@ def stage_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
         "time": numbers(window.clock[:: _stride(fit)], 1e6),
         "units": {"u": unit, "v": f"{window.unit}/s", "f": typeset(force_unit)},
         "traces": [_trace(fit, channel) for channel in window.channels],
+        "mass": prepared.mass,
         "largest": {
             "u": float(np.nanmax(np.abs(motion.displacement))) * factor,
             "v": float(np.nanmax(np.abs(motion.velocity))),

@@ -17,7 +17,7 @@ from station.results.ladder import LADDER, KeptStep, read_ladder
 from station.results.models import ModelFile, known_model
 from station.settings import Settings
 from station.workbench.frames import frame_id, frame_of, stage_of
-from station.workbench.view_models import Drawing
+from station.workbench.view_models import Drawing, Drawn
 
 MOST_OPEN = 8
 MOST_KEPT = 80
@@ -27,8 +27,9 @@ MOST_KEPT = 80
 class Opened:
     """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
-    `drawn` are the frames and fits of models, by the frame's name, and `stage` is
-    settled by the first of them. `diagnoses` are those that were kept since, by the effects of the model asked about.
+    `drawn` are the frames and fits of models, by the frame's name, and `stage` is settled by the first of them. `diagnoses`
+    are those that were kept since, by the effects of the model asked about; `previews` what came of effects that were tried,
+    by the name of the model's frame and what was wanted.
     """
 
     begun: Refinement
@@ -36,6 +37,7 @@ class Opened:
     stage: Drawing = field(default_factory=dict)
     drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
     diagnoses: dict[tuple[str, ...], diagnosis_document.DiagnosisDocument] = field(default_factory=dict)
+    previews: dict[tuple[str, str], Drawn] = field(default_factory=dict)
 
     def draw(self, model: ModelFile, fitted: Callable[[], Fit]) -> str:
         """Draw a model unless it was drawn before, and return the name of its frame."""

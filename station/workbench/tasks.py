@@ -171,13 +171,17 @@ def preview(settings: Settings, say: Say, folder: Path, wanted: str) -> Drawn:
 
 def _tried(opened: Opened, wanted: str) -> Drawn:
     """Draw the present model with `wanted` added, and say what it leaves."""
+    key = frame_id(opened.refinement.ladder.top.model), wanted
+    if key in opened.previews:
+        return opened.previews[key]
     step, _ = tried(opened.refinement, wanted)
     name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
     ladder = opened.refinement.ladder
     words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.chi2_std)
     says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
-    return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+    opened.previews[key] = Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+    return opened.previews[key]
 
 
 def export(settings: Settings, say: Say, folder: Path) -> str:

@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -92,6 +93,12 @@ def test_the_cells_of_the_map_lie_on_its_axes_and_hold_the_motion(prepared):
     inside = (u > left) & (u < right) & (v > low) & (v < high)
     assert inside.sum(axis=1).max() == 1
     assert inside.any(axis=1).mean() > 0.95
+
+
+def test_another_mass_is_another_stage_so_that_no_tab_keeps_forces_of_the_old_one(prepared):
+    release = prepared["release_14"]
+    fit = fitted(release)
+    assert stage_of(replace(release, mass=2.0), fit) != stage_of(replace(release, mass=3.0), fit)
 
 
 def test_the_exported_samples_are_written_as_station_export_does_and_the_residual_is_what_the_model_leaves(
