@@ -35,7 +35,6 @@ RIG = ("--holder=-25,25", "--releases=20")
 SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
 """What the simulated rig allows."""
 
-
 MOST_TAKES = 3
 """Recordings in a row that may tell nothing."""
 

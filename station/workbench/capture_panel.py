@@ -29,7 +29,7 @@ class CapturePanel:
     def __init__(self, state: AppState, began: Callable[[CaptureRun], None], chosen: str | None) -> None:
         self._state, self._began, self._chosen = state, began, chosen
         before = state.capturing.now if state.capturing is not None else None
-        past = before is not None and before.finished and _key(before) != (chosen or "")
+        past = before is not None and before.finished and before.key != (chosen or "")
         self._shown: Progress | None = before if past else None
         self._own: CaptureRun | None = None
         settings = state.settings
@@ -120,7 +120,7 @@ class CapturePanel:
             self._say((now.sentence, "strong"), (now.detail, "bad strong" if silent else "faint"))
 
     def _finished(self, run: CaptureRun) -> None:
-        now, key = run.now, _key(run.now)
+        now, key = run.now, run.now.key
         kept = "What was received is in the list below." if now.problem and run.folder.is_dir() else ""
         lines = [(sentence(now.problem), "bad"), (kept, "faint")]
         verdict = None if now.session is None else now.session.verdict
@@ -137,11 +137,6 @@ class CapturePanel:
     def _say(self, *lines: tuple[str, str], opens: str = "") -> None:
         said = part("lines", [(text, f"small {kind}") for text, kind in lines])
         self._message.content = said + (part("link", f"Open {opens}", address_of(opens)) if opens else "")
-
-
-def _key(now: Progress) -> str:
-    """Name the session that a capture made; "" where it made none."""
-    return "" if now.session is None else now.session.folder.name
 
 
 class ScopePanel:
@@ -177,8 +172,8 @@ class ScopePanel:
         if now.finished:
             self.run = None
             self._panel.set_visibility(False)
-            if now.session is not None:
-                ui.navigate.to(address_of(now.session.folder.name))
+            if now.key:
+                ui.navigate.to(address_of(now.key))
             return
         self._statement.props["data-kind"] = KINDS.get(now.state, "film")
         left = now.scope.left_s

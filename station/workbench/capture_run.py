@@ -72,6 +72,11 @@ class Progress:
     session: Session | None = None
     scope: Scope = field(default_factory=Scope)
 
+    @property
+    def key(self) -> str:
+        """The name of the session that the capture made; "" where it made none."""
+        return "" if self.session is None else self.session.folder.name
+
 
 class ScopeObserver(CaptureObserver):
     """Gathers what a capture shows: `now` is where it stands, with what the scope draws. It can end the capture."""

@@ -102,7 +102,9 @@ class GuidePanel:
                 widgets.button("Begin", self._begin, "Begin the guided test", strong=True, classes="wide")
                 widgets.button("No board? On a simulated rig", self._simulate, classes="wide")
             self._place = widgets.html().props("aria-live=polite")
-            self._stop = widgets.button("Stop", self._cancel, "Stop the guided test")
+            self._stop = widgets.button(
+                "Stop", lambda: state.capturing.cancel() if state.capturing else None, "Stop the guided test"
+            )
         ui.timer(TICK_S, self._tick)
 
     def _begin(self) -> None:
@@ -126,10 +128,6 @@ class GuidePanel:
         settings = self._state.settings
         test = GuidedTest("", wanted, limits, new_folder(settings.sessions, "guide"), settings, alone)
         self._capture.begin(lambda: GuideRun(board, test))
-
-    def _cancel(self) -> None:
-        if self._state.capturing is not None:
-            self._state.capturing.cancel()
 
     def _tick(self) -> None:
         run = self._state.capturing

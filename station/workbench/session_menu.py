@@ -18,8 +18,6 @@ from station.workbench import tasks, widgets
 from station.workbench.session_list import address_of
 from station.workbench.session_state import AppState, SessionState
 
-BIN = ".bin"
-
 
 def rename(folder: Path, wanted: str) -> Path:
     """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
@@ -38,7 +36,7 @@ def rename(folder: Path, wanted: str) -> Path:
 
 def to_bin(folder: Path) -> Path:
     """Move a session into the bin beside it, from which it can be taken back by hand; return where it is now."""
-    place = folder.parent / BIN / f"{folder.name}_{time.strftime('%Y%m%d_%H%M%S')}"
+    place = folder.parent / ".bin" / f"{folder.name}_{time.strftime('%Y%m%d_%H%M%S')}"
     place.parent.mkdir(exist_ok=True)
     _move(folder, place)
     return place
