@@ -1,4 +1,4 @@
-"""The system's facts about a port, without opening it: is it there, may it be opened, who holds it, its latency."""
+"""The system's facts about a port, without opening it: who holds it, its latency."""
 
 import os
 from dataclasses import dataclass
@@ -15,20 +15,16 @@ class PortFacts:
     `latency_ms` is that of an FTDI adapter, None where the system does not know it.
     """
 
-    exists: bool
-    permitted: bool
     holders: tuple[tuple[str, int], ...]
     latency_ms: int | None
 
 
 def port_facts(name: str, proc: Path = PROC, tty: Path = SYSTEM_TTY) -> PortFacts:
-    """Return the facts of a device; for a URL (`socket://...`) everything is allowed and nothing known."""
+    """Return the facts of a device; of a URL (`socket://...`) nothing is known."""
     if "://" in name:
-        return PortFacts(True, True, (), None)
+        return PortFacts((), None)
     device = os.path.realpath(name)
-    exists = os.path.exists(device)
-    permitted = os.access(device, os.R_OK | os.W_OK, effective_ids=os.access in os.supports_effective_ids)
-    return PortFacts(exists, permitted, _holders(device, proc), _latency(device, tty))
+    return PortFacts(_holders(device, proc), _latency(device, tty))
 
 
 def _holders(device: str, proc: Path) -> tuple[tuple[str, int], ...]:

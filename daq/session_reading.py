@@ -61,11 +61,25 @@ class SessionReader:
         return assembly
 
     def recording(self) -> Recording:
-        """Return the recording, decoded from the raw bytes; DataLost when they hold no sample."""
+        """Return the recording, decoded from the raw bytes; DataLost when they hold no sample or are gone."""
         try:
             return self.complete(self.assembly().recording())
+        except NotASession as error:
+            raise DataLost(self._without_raw("is missing"), self.folder) from error
         except DataLost as error:
+            known, raw = known_manifest(self.folder), self.folder / RAW
+            if known is not None and RAW in known.files and known.files[RAW].size > raw.stat().st_size:
+                words = self._without_raw("is shorter than when it was written")
+                raise DataLost(words, self.folder) from error
             raise DataLost(f"{self.folder}: {error}", self.folder) from error
+
+    def _without_raw(self, how: str) -> str:
+        """Say how the raw log was damaged, and what to do."""
+        source = self.source_file
+        todo = "put it back from a copy, or record again"
+        if source is not None and source.is_file():
+            todo = f"import {source.parent.name}/{source.name} in the folder of the session again"
+        return f"{RAW}, which holds the samples of {self.folder.name}, {how}: {todo}"
 
     def complete(self, recording: Recording) -> Recording:
         """Add what the metadata know: calibrations and the uncertainty of the rate."""

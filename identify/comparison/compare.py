@@ -111,7 +111,7 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     window = fit.windows[0]
     doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
     faults = fit.model.faults if baseline.at_floor else ()
-    seen = _without_faults(prepared, fit) if faults else (prepared, fit)
+    seen = without_faults(prepared, fit) if faults else (prepared, fit)
     shooting = shoot(*seen)
     if shooting.stiffness < _NO_SPRING * fit.frequency**2:
         raise NotIdentifiable(
@@ -151,10 +151,10 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     )
 
 
-def _without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
+def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
     """Return a release and a fit that explains it as sensors without the modelled faults would have read them.
 
-    The measured motion and alignment have the faults in them: the model's take their place.
+    The measured motion and alignment have the faults in them, which would be taken for forces: the model's take their place.
     """
     values, window, motion = fit.of_release(0), fit.windows[0], prepared.motion
     problem = Problem(Model(fit.model.forces), (window,), fit.frequency)

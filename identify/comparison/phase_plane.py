@@ -67,9 +67,12 @@ class PhasePlane:
         )
 
 
-def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
-    """Return the force that the tracked model lacks, as one constant in each bin of the phase plane."""
-    across = _odd(len(shooting.displacement))
+def compare_phase_plane(shooting: MultipleShooting, fewest: int = 12) -> PhasePlane:
+    """Return the force that the tracked model lacks, as one constant in each bin of the phase plane.
+
+    About `fewest` samples or more lie in each of the bins that are visited.
+    """
+    across = _odd(len(shooting.displacement), fewest)
     along = across - 1
     edges_u, edges_v, code, patterns = _bins(shooting, across)
     found = estimate_extra_force(shooting, patterns)
@@ -94,9 +97,9 @@ def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
     )
 
 
-def _odd(samples: int) -> int:
-    """Return an odd number of bins across: about a dozen samples in each of the bins that are visited."""
-    return 2 * int(np.clip(np.sqrt(samples) / 6.0, 2.0, 5.5)) + 1
+def _odd(samples: int, fewest: int) -> int:
+    """Return an odd number of bins across: about so many samples in each of the bins that are visited."""
+    return 2 * int(np.clip(np.sqrt(samples / (3.0 * fewest)), 2.0, 66.0 / fewest)) + 1
 
 
 def _bins(shooting: MultipleShooting, across: int) -> tuple[Array, Array, Array, Array]:

@@ -80,13 +80,12 @@ def command(
     """
     from daq.failover import is_temporary
     from daq.sources.open_source import LineOptions
-    from station.operations.capturing import record
-    from station.operations.line_boards import board_behind
-    from station.operations.new_session import new_folder, wanted_capture
+    from station.operations.capturing import board_behind, record
+    from station.operations.new_session import capture_settings, new_folder
 
     told = LineOptions(None, columns, units, given["rate"], baud)
     board = board_behind(port, settings, told, lines, profile, source)
-    wanted = wanted_capture(settings, given)
+    wanted = capture_settings(settings, **given)
     place = folder or new_folder(settings.sessions)
     session, shown_at = record(board(), wanted, place, not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):

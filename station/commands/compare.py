@@ -20,7 +20,7 @@ def command(
     words; --full adds noise and harmonics. Without --model it is the session's current
     model: the refined one, and before any `refine` the one that it begins with.
     """
-    from station.operations.comparing import compare_session
+    from station.operations.diagnosing import compare_session
     from station.results.sessions import open_session
     from station.text.comparison_text import told
     from station.text.layout import answer

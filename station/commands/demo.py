@@ -55,11 +55,13 @@ def command(
     else:
         from station.commands.capture import finish
         from station.operations.new_session import new_folder
-        from station.operations.simulated_board import record_simulated, simulated_capture
+        from station.operations.simulated_board import record_simulated
 
         where = folder or new_folder(settings.sessions, "demo")
-        wanted = simulated_capture(settings, f"simulated testbed, seed {seed}", speed)
-        session, shown_at, envelope = record_simulated(wanted, seed, speed, where, not no_viewer)
+        specimen = f"simulated testbed, seed {seed}"
+        session, shown_at, envelope = record_simulated(
+            settings, specimen, seed, speed, where, not no_viewer, "mocks"
+        )
         truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
         finish(session, shown_at, settings, (_made_of(truth),), made_of=made_of)

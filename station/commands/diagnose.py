@@ -37,7 +37,7 @@ def command(
     """
     from identify.errors import NotIdentifiable
     from identify.model.model import base_model
-    from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
+    from station.operations.diagnosing import check_same_bench, diagnose_sessions
     from station.operations.session_set import by_reason, declared, open_sessions
     from station.results.diagnosis_document import refused_document
     from station.story.preparation import weighing_of
@@ -55,7 +55,6 @@ def command(
         progress(f"left out: {reason}")
     check_same_bench(opened, anyway, progress)
     _, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
-    keep(opened, document)
     weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
     words = told(document, weighing, full=full)
     folders = [session.folder for session in opened.sessions]

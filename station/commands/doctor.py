@@ -33,10 +33,9 @@ def command(
     failed = any(finding.grade == "FAIL" for finding in findings)
     remedies = ["" if one.grade == "PASS" or not one.remedy else f"\n-> {one.remedy}" for one in findings]
     rows = tuple(
-        (one.grade.value, one.check, f"{one.found}{remedy}")
-        for one, remedy in zip(findings, remedies, strict=True)
+        (one.grade, one.check, f"{one.found}{remedy}") for one, remedy in zip(findings, remedies, strict=True)
     )
-    table = Table("", ("", "", ""), rows, texts=3, marks=tuple(MARKS[one.grade.value] for one in findings))
+    table = Table("", ("", "", ""), rows, texts=3, marks=tuple(MARKS[one.grade] for one in findings))
     at = () if port is None else ("--port", port)
     answers = any(finding.check == "handshake" for finding in findings)
     step = ("doctor", *at) if failed else ("capture", *at) if answers else ("demo",)

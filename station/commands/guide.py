@@ -34,10 +34,10 @@ def command(
     """
     from daq.ports import choose_port
     from station.operations.guiding import GuidedTest, limits_of
-    from station.operations.new_session import new_folder, wanted_capture
+    from station.operations.new_session import capture_settings, new_folder
 
     chosen = limits_of(limits if limits is not None else _asked(), unattended)
-    wanted = wanted_capture(settings, given)
+    wanted = capture_settings(settings, **given)
     named = choose_port(port or settings.capture.port)
     place = folder or new_folder(settings.sessions, "guide")
     from station.report.write import show_guided

@@ -28,7 +28,7 @@ def command(
     from daq.sources.line_format import describe_columns, find_format, profile_file, save_profile
     from daq.sources.line_source import LineSource
     from daq.sources.open_source import LineOptions, open_bytes
-    from station.operations.line_boards import profiles_of
+    from station.operations.capturing import profiles_of
     from station.text.content import Told, facts
     from station.text.layout import answer
 

@@ -66,7 +66,7 @@ def command(
     if removed:
         ladder = remove(refinement, removed)
     elif auto:
-        ladder = refine_to_floor(refinement, progress)
+        ladder = refine_to_floor(refinement, lambda _, words: progress(words))
     elif number is not None:
         ladder = go_to(refinement, number)
     elif not added and (reset or model_file is not None or ladder.seen is None):

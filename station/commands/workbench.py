@@ -36,4 +36,4 @@ def command(
         progress(
             f"other computers that reach {host} can use this page by the address below; nothing on the way is encrypted"
         )
-    serve(settings, named, host, port, not no_browser, progress)
+    serve(settings, named, host, port, not no_browser)

@@ -24,11 +24,9 @@ def current_model(
 
     That is the refined model; before any `refine` the first one. Raises UsageProblem where there is none of that name.
     """
-    if file is not None:
-        return first_model(sessions, file, library)
-    tops = _refined(sessions)
+    tops = [] if file is not None else _refined(sessions)
     if not any(tops):
-        return first_model(sessions)
+        return first_model(sessions, file, library)
     if None in tops or len({tuple(top.effects) for top in tops if top}) > 1:
         remark = "The sessions were refined differently. To begin with the model of one: --model FILE."
         return KnownModel(base_model(), remark=remark)

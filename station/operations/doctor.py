@@ -6,17 +6,17 @@ import shutil
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import StrEnum
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Literal
 
 import numpy as np
 
-from daq import port_facts
 from daq.board_sample import BoardSample, sample_board
 from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.errors import StationError
+from daq.port_facts import port_facts
 from daq.ports import list_ports
 from daq.recording import Recording
 
@@ -26,12 +26,8 @@ SLOW_SYNC_S = 0.25  # what the raw log promises to be behind at most
 LATENCY_MS = 16
 
 
-class Grade(StrEnum):
-    """How a check ended."""
-
-    PASS = "PASS"
-    WARN = "WARN"
-    FAIL = "FAIL"
+Grade = Literal["PASS", "WARN", "FAIL"]
+"""How a check ended."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +42,8 @@ class Finding:
 
 def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator[Finding]:
     """Check the computer, and a port with its board: the one that is named, or each on which a board answers."""
-    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
-    yield Finding(Grade.PASS, "packages", ", ".join(f"{name} {version(name)}" for name in PACKAGES))
+    yield Finding("PASS", "Python", f"{platform.python_version()} on {platform.system()}")
+    yield Finding("PASS", "packages", ", ".join(f"{name} {version(name)}" for name in PACKAGES))
     yield from _disk(sessions)
     if port:
         yield from _board(port, rate, seconds)
@@ -55,20 +51,20 @@ def examine(port: str | None, sessions: Path, rate: float, seconds: float) -> It
     candidates = list_ports()
     if not candidates:
         remedy = "plug the board in, or name --port"
-        yield Finding(Grade.WARN, "ports", "this computer has no serial port", remedy)
+        yield Finding("WARN", "ports", "this computer has no serial port", remedy)
     for candidate in candidates:
         if candidate.answers:
             yield from _board(candidate.port.name, rate, seconds)
         else:
             remedy = "ignore this if no board is meant to be on that port"
-            yield Finding(Grade.WARN, "port", candidate.problem, remedy)
+            yield Finding("WARN", "port", candidate.problem, remedy)
 
 
 def _disk(sessions: Path) -> Iterator[Finding]:
     """Check space and sync time where sessions will be written; writes one small file, which is removed."""
     folder = next(p for p in (sessions, *sessions.absolute().parents) if p.is_dir())
     free = shutil.disk_usage(folder).free / 1e6
-    grade = Grade.FAIL if free < SPACE_MB[0] else Grade.WARN if free < SPACE_MB[1] else Grade.PASS
+    grade: Grade = "FAIL" if free < SPACE_MB[0] else "WARN" if free < SPACE_MB[1] else "PASS"
     yield Finding(grade, "disk space", f"{free:,.0f} MB free in {folder}", "make room, or use another disk")
     slowest = 0.0
     try:
@@ -81,42 +77,35 @@ def _disk(sessions: Path) -> Iterator[Finding]:
                 slowest = max(slowest, time.perf_counter() - began)
     except OSError as error:
         remedy = "choose another folder for the sessions, or mend its permissions"
-        yield Finding(Grade.FAIL, "disk", f"{folder} cannot be written: {error.strerror}", remedy)
+        yield Finding("FAIL", "disk", f"{folder} cannot be written: {error.strerror}", remedy)
         return
-    grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
+    grade = "WARN" if slowest > SLOW_SYNC_S else "PASS"
     found = f"{slowest * 1e3:.1f} ms for the slowest of 5 writes"
     yield Finding(grade, "disk sync", found, "use a local disk for the sessions")
 
 
 def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
-    """Check a port from outside (there, permitted, free, quick), then what its board sends."""
-    facts = port_facts.port_facts(name)
-    if not facts.exists:
-        yield Finding(Grade.FAIL, "port", f"{name} is not there", "plug the board in; see `station ports`")
-        return
+    """Check a port from outside (free, quick), then what its board sends."""
+    facts = port_facts(name)
     if facts.holders:
         who = ", ".join(f"{program} (process {pid})" for program, pid in facts.holders)
-        yield Finding(Grade.WARN, "held by", who, "close that program")
+        yield Finding("WARN", "held by", who, "close that program")
     if facts.latency_ms is not None:
-        grade = Grade.WARN if facts.latency_ms >= LATENCY_MS else Grade.PASS
+        grade: Grade = "WARN" if facts.latency_ms >= LATENCY_MS else "PASS"
         remedy = "lower it: echo 1 | sudo tee /sys/class/tty/NAME/device/latency_timer"
         yield Finding(grade, "latency", f"{facts.latency_ms} ms in the adapter", remedy)
-    if not facts.permitted:
-        remedy = "join its group: sudo usermod -aG dialout $USER, then log in again"
-        yield Finding(Grade.FAIL, "permission", f"{name} may not be opened by this user", remedy)
-        return
     try:
         sample = sample_board(name, seconds, rate)
     except StationError as error:
         what, _, remedy = str(error).rpartition("; ")
-        yield Finding(Grade.FAIL, "board", what or remedy, remedy if what else "")
+        yield Finding("FAIL", "board", what or remedy, remedy if what else "")
         return
     hello, recording = sample.hello, sample.recording
     taken_s = len(recording.valid) / recording.rate
     lost = int((~recording.valid).sum())
-    yield Finding(Grade.PASS, "handshake", f"{hello.board}, firmware {hello.firmware}")
+    yield Finding("PASS", "handshake", f"{hello.board}, firmware {hello.firmware}")
     yield Finding(
-        Grade.WARN if lost or sample.damaged else Grade.PASS,
+        "WARN" if lost or sample.damaged else "PASS",
         "line",
         f"{lost} of {len(recording.valid)} samples lost, {sample.damaged} frames damaged in {taken_s:.1f} s",
         "a shorter cable, another hub, or a slower rate",
@@ -139,18 +128,19 @@ def _levels(recording: Recording) -> Iterator[Finding]:
         text = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
         ends = ((channel.low, samples.min()), (channel.high, samples.max()))
         near = 1.01 * (channel.resolution or 0.0)
-        grade, remedy = Grade.PASS, ""
+        grade: Grade = "PASS"
+        remedy = ""
         if span == 0.0:
-            grade, remedy = Grade.FAIL, "the reading never changes: check the sensor, its supply and its wire"
+            grade, remedy = "FAIL", "the reading never changes: check the sensor, its supply and its wire"
         elif any(end is not None and abs(value - end) <= near for end, value in ends):
-            grade, remedy = Grade.FAIL, "at the end of its range: centre the sensor, or take a wider range"
+            grade, remedy = "FAIL", "at the end of its range: centre the sensor, or take a wider range"
         yield Finding(grade, channel.name, text, remedy)
 
 
 def _rate(sample: BoardSample) -> Finding:
     stated, clock = sample.recording.rate, sample.clock
     if clock is None or not np.isfinite(clock.std):
-        return Finding(Grade.WARN, "rate", f"{stated:g} Hz by the board, too few frames to check it")
+        return Finding("WARN", "rate", f"{stated:g} Hz by the board, too few frames to check it")
     text = f"{stated:g} Hz by the board, {clock.rate:.2f} ± {clock.std:.2f} Hz by this computer"
     off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, SIGMAS * clock.std / stated)
-    return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
+    return Finding("FAIL" if off else "PASS", "rate", text, "correct the rate in the firmware")

@@ -1,4 +1,4 @@
-"""Write a session's channels, on one clock, into a file of another program's format."""
+"""A session's channels on one clock, or its fitted model, in a file of another program's format."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,11 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from daq.exporting import Exported, encode
+from daq.recording import Array, Channel, Recording
 from daq.session import Session
 from daq.storage import write_whole
 from identify.errors import NotIdentifiable
+from identify.fitting.fit import Fit
+from identify.formatting import SPACE, quantity
 from identify.preprocessing.alignment import correct
 from station.exits import UsageProblem
+from station.operations.refining import Refinement
 from station.settings import Settings
 from station.story.preparation import locate, options_for
 
@@ -22,15 +26,13 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
     be estimated; values are not rescaled otherwise.
     """
     recording = session.recording()
-    facts = facts_of(session) | {"channels": "as recorded"}
-    if not aligned:
-        return Exported(recording, facts)
+    facts, found = facts_of(session) | {"channels": "as recorded"}, None
     try:
-        found = locate(recording, options_for(session, settings))
+        found = locate(recording, options_for(session, settings)) if aligned else None
     except NotIdentifiable as refusal:
-        return Exported(
-            recording, facts | {"channels": f"as recorded, for they could not be aligned: {refusal}"}
-        )
+        facts["channels"] += f", for they could not be aligned: {refusal}"
+    if found is None:
+        return Exported(recording, facts)
     facts["release_s"] = f"{found.release.time_s:.6g}"
     if found.alignment is None:
         return Exported(recording, facts | {"channels": f"as recorded: {found.not_aligned}"})
@@ -46,6 +48,43 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
         "gain_of_the_acceleration": f"{found.alignment.gain.value:.9g} (estimated, not applied)",
     }
     return Exported(replace(recording, samples=samples, valid=valid), facts)
+
+
+def fitted_samples(refinement: Refinement, fit: Fit) -> Exported:
+    """Gather the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
+
+    The motion is on one clock (the lag corrected). Readings that did not count are not a number. The facts have the values
+    of the model as they are `stated` everywhere, and the release's own: where it starts, and how its sensors are off.
+    """
+    window, motion, stated = fit.windows[0], refinement.prepared.motion, refinement.ladder.top.model
+    units = {
+        "displacement": window.unit,
+        "velocity": f"{window.unit}/s",
+        "acceleration": f"{window.unit}/s^2",
+    }
+    columns: list[tuple[str, str, Array]] = [("time since release", "s", np.asarray(window.clock))]
+    columns += [(f"{name} aligned", unit, np.asarray(getattr(motion, name))) for name, unit in units.items()]
+    for channel in window.channels:
+        read = np.where(window.used[channel], window.readings[channel], np.nan)
+        model = fit.predicted[0][channel]
+        for what, values in (("read", read), ("model", model), ("residual", read - model)):
+            columns.append((f"{channel} {what}", units[channel], values))
+    recording = Recording(
+        window.rate,
+        tuple(Channel(name, "other", unit) for name, unit, _ in columns),
+        np.array([values for *_, values in columns]),
+        np.ones(len(window), dtype=bool),
+        rate_std=window.rate_std,
+    )
+    facts = {"model": " + ".join(stated.names)}
+    for entry in stated.effects:
+        known = refinement.weighing.weighed(entry.effect, entry.parameters)
+        facts |= {f"fitted {entry.effect}.{name}": quantity(value) for name, value in known.items()}
+    for name, own in fit.nuisances.items():
+        start = name in ("displacement", "velocity") or ".state" in name
+        facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))
+    facts = {name: text.replace(SPACE, " ") for name, text in facts.items()}
+    return Exported(recording, facts_of(refinement.session) | facts)
 
 
 def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool) -> int:

@@ -21,8 +21,8 @@ from station.exits import UsageProblem
 from station.operations.diagnosing import keep
 from station.operations.new_session import metres
 from station.operations.provisional import Provisional
-from station.operations.record_floor import with_floor
 from station.operations.session_set import SessionSet
+from station.output import progress
 from station.results.diagnosis_document import DiagnosisDocument, diagnosis_document, next_release_document
 from station.results.documents import picked
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
@@ -34,7 +34,6 @@ RIG = ("--holder=-25,25", "--releases=20")
 
 SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
 """What the simulated rig allows."""
-
 
 MOST_TAKES = 3
 """Recordings in a row that may tell nothing."""
@@ -105,7 +104,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             told = _again(told, rejected, limits, [one.problem for one in turns])
         else:
             try:
-                prepared = with_floor(session, prepare_session(session, test.settings))
+                prepared = prepare_session(session, test.settings)
                 trial = SessionSet((*sessions, session), (*decays, prepared))
                 found = diagnose(trial.decays)
             except NotIdentifiable as refusal:
@@ -120,7 +119,7 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
                     "next_release": next_release_document(told.chosen),
                     "judged_s": time.monotonic() - began,
                 }
-                keep(trial, document)
+                keep(trial, document, progress)
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
         _keep(test, turns, told)
@@ -133,11 +132,9 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
 def limits_of(text: str, unattended: bool = False) -> Limits:
     """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
     lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
-    if len(lengths) <= text.count(","):
-        raise UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
-    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
+    if len(lengths) != 2 or text.count(",") != 1 or not 0.0 < lengths[0] < lengths[1]:
         raise UsageProblem(
-            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
+            f"--limits {text}: write the smallest and the largest safe amplitude with their units, as 2mm,25mm"
         )
     ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
     return Limits(lengths[0], lengths[1], ways=ways)

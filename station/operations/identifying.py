@@ -3,18 +3,17 @@
 from dataclasses import replace
 from typing import Any
 
-from daq.errors import NotASession
+from daq.manifest import known_manifest
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
-from station.operations.record_floor import with_floor
 from station.results.documents import keep_document
 from station.results.identification_document import NAME, identification_document
 from station.settings import Settings
 from station.story.adequacy import adequacy, recording_doubt
 from station.story.pipeline import Identification, Progress, identify, silent
-from station.story.preparation import Options, locate, options_for, prepare_recording
+from station.story.preparation import Options, locate, options_for, prepare_recording, with_floor
 
 
 def identify_session(
@@ -29,14 +28,12 @@ def identify_session(
     progress("identifying by both methods")
     found = locate(recording, options)
     result = identify(recording, options, found)
-    try:
-        doubt = recording_doubt(session.manifest())
-    except NotASession:  # it is not sealed
-        doubt = ""
+    sealed = known_manifest(session.folder)
     try:
         progress("fitting the identified model")
-        prepared = with_floor(session, prepare_recording(recording, options, found=found))
+        prepared = with_floor(prepare_recording(recording, options, found=found))
         if result.methods:
+            doubt = "" if sealed is None else recording_doubt(sealed)
             result = replace(result, adequacy=adequacy(prepared, result.methods, doubt))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})

@@ -17,12 +17,11 @@ from identify.estimate import Estimate
 from identify.formatting import DASH, decimals_for, plain_name
 from identify.model.model import base_model
 from station.exits import UsageProblem
-from station.operations.comparing import compare_session
-from station.operations.diagnosing import diagnose_sessions, keep
+from station.operations.diagnosing import compare_session, diagnose_sessions
 from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
-from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
+from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated
 from station.operations.viewer_tabs import show_refined
 from station.output import asked_for_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
@@ -33,10 +32,11 @@ from station.story.engineering_values import Weighing
 from station.text import comparison_text, diagnosis_text, ladder_text
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import answer, show
-from station.text.numbers import typeset, with_unit
+from station.text.numbers import typeset, with_names, with_unit
 
 SEEDS = 1000
 BOARD = "mocks.mystery"
+BENCH = Weighing(MASS_KG)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +88,9 @@ def solve(
 ) -> tuple[Solved, int | None]:
     """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's port."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
-    wanted = simulated_capture(settings, f"mystery {seed}", speed)
-    session, shown_at, envelope = record_simulated(wanted, seed, speed, where, not no_viewer, BOARD)
+    session, shown_at, envelope = record_simulated(
+        settings, f"mystery {seed}", seed, speed, where, not no_viewer, BOARD
+    )
     refinement = open_refinement(session, settings)
     sessions = SessionSet((session,), (refinement.prepared,))
     _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
@@ -98,7 +99,6 @@ def solve(
     show(console, replace(comparison_text.told(compared), brief=facts(worst)))
     _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
-    keep(sessions, document)
     show(console, diagnosis_text.told(document, refinement.weighing))
     ladder = refinement.ladder
     if document.named:
@@ -130,10 +130,13 @@ def hidden_document(truth: dict[str, Any]) -> dict[str, Any]:
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
-    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
+    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces (dmu = 1.2 N)"."""
     of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
-    return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
+    known, own = true_values(truth), f"{truth['hidden']}."
+    values = with_names({name.removeprefix(own): known[name] for name in known if name.startswith(own)})
+    more = f" ({', '.join(values)})" if values else ""
+    return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}{more}"
 
 
 def revealed(solved: Solved) -> Told:
@@ -154,9 +157,8 @@ def revealed(solved: Solved) -> Told:
 
 def _side_by_side(solved: Solved) -> Table:
     """Put the hidden effect's parameters beside those that were found, each with its unit."""
-    weighing, rows = Weighing(MASS_KG), []
-    found = solved.ladder.top.weighed(weighing)
-    for name, true in true_values(solved.truth, weighing).items():
+    found, rows = solved.ladder.top.weighed(BENCH), []
+    for name, true in true_values(solved.truth).items():
         estimate, exact = found.get(name), f"{true.value:.5g}"
         if name.endswith(".phase"):  # it counts from another instant there
             continue
@@ -168,7 +170,7 @@ def _side_by_side(solved: Solved) -> Table:
     return Table("", ("", "hidden", "found"), tuple(rows))
 
 
-def true_values(truth: dict[str, Any], weighing: Weighing) -> dict[str, Estimate]:
+def true_values(truth: dict[str, Any]) -> dict[str, Estimate]:
     """Return what the board was made with, by "effect.parameter", with the mass in forces and strengths."""
     base = zip(base_model().terms, ("stiffness_per_mass", "mu_0", "mu_1"), strict=True)
     made = {term.effect.name: {term.strength.parameter: truth[key]} for term, key in base}
@@ -177,7 +179,7 @@ def true_values(truth: dict[str, Any], weighing: Weighing) -> dict[str, Estimate
         units = {p.name: p.unit for p in find_effect(effect).parameters if "reading" not in p.unit}
         numbers = {name: value for name, value in values.items() if isinstance(value, int | float)}
         bare = {name: Estimate(value, 0.0, units.get(name, "")) for name, value in numbers.items()}
-        found |= {f"{effect}.{name}": value for name, value in weighing.weighed(effect, bare).items()}
+        found |= {f"{effect}.{name}": value for name, value in BENCH.weighed(effect, bare).items()}
     return found
 
 

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,9 @@ from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.settings import Settings
 from station.suggestions import refusal
+
+OF_THE_TEST = ("mass", "mass_std", "specimen", "operator", "conditions")
+"""Options of a capture that go into the session's metadata."""
 
 
 def new_folder(sessions: Path, prefix: str = "release") -> Path:
@@ -74,15 +77,8 @@ def metres(text: str) -> float | None:
     )
 
 
-def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSettings:
-    """Say how to capture by the options of a command that has the options of RELEASE, else by the settings."""
-    of_the_test = ("mass", "mass_std", "specimen", "operator", "conditions")
-    info = session_info(settings, **{name: given[name] for name in of_the_test})
-    return capture_settings(settings, info, **given)
-
-
-def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> CaptureSettings:
-    """Say how to capture: options where they were given, else the settings."""
+def capture_settings(settings: Settings, **given: Any) -> CaptureSettings:
+    """Say how to capture, and what the session says of the test, by options of RELEASE, else by the settings."""
     release = given.get("release")
     if release is not None and (length := metres(release)) is None:
         raise UsageProblem(f"--release {release}: write a length with its unit, as 12mm or -8mm")
@@ -94,5 +90,5 @@ def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> Cap
         trigger_timeout_s=known.patience,
         trigger_level=given.get("level"),
         release_from=None if release is None else length,
-        info=info,
+        info=session_info(settings, **{name: given[name] for name in OF_THE_TEST if name in given}),
     )

@@ -22,19 +22,15 @@ from identify.judging.nonparametric_force import curve_of_rest
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
-from station.operations.record_floor import with_floor
 from station.own_effects import whole_library
 from station.results.documents import Errors, seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.pipeline import Progress
 from station.story.preparation import prepare_session, weighing_of
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
-
-Seen = Callable[[KeptLadder, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +64,7 @@ def open_refinement(
     library = whole_library(effects_file)
     replaced = seen(session, LADDER) if reset or model_file is not None else None
     ladder = None if reset or model_file is not None else read_ladder(session)
-    prepared = with_floor(session, prepare_session(session, settings))
+    prepared = prepare_session(session, settings)
     if ladder is None:
         begun = first_model((session,), model_file, library)
         step = first_step((prepared,), begun.model, begun.start((prepared,)))
@@ -76,17 +72,15 @@ def open_refinement(
             format=1,
             steps=(_kept(step, begun.expressions, begun.words),),
             present=0,
-            floor=floor_of(prepared, step),
+            floor=Errors(
+                force_mse_percent=force_floor_percent(prepared, prepared.restoring),
+                motion_percent=noise_percent(step.fit),
+                chi2=1.0,
+            ),
             seen=replaced,
         )
     weighing = weighing_of(session, settings, prepared.window.unit)
     return Refinement(session, prepared, library, ladder, weighing)
-
-
-def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
-    """Compute the three errors that noise alone gives."""
-    force = force_floor_percent(prepared, prepared.restoring)
-    return Errors(force_mse_percent=force, motion_percent=noise_percent(step.fit), chi2=1.0)
 
 
 def step_again(refinement: Refinement, step: KeptStep) -> Step:
@@ -153,10 +147,8 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was taken out"))
 
 
-def refine_to_floor(
-    refinement: Refinement, progress: Progress, found_so_far: Seen | None = None
-) -> KeptLadder:
-    """Add what is missing until nothing is; `progress` gets each step, which is kept as soon as it is found.
+def refine_to_floor(refinement: Refinement, found_so_far: Callable[[KeptLadder, str], None]) -> KeptLadder:
+    """Add what is missing until nothing is; each step is kept as soon as it is found.
 
     `found_so_far` gets the kept ladder after each step, and the step in words.
     """
@@ -165,15 +157,11 @@ def refine_to_floor(
 
     def on_step(step: Step, words: str) -> None:
         nonlocal kept
+        if step.added or step.removed:
+            new = _kept(step, top.model.expressions)
+            kept = _extended(replace(refinement, ladder=kept), (new,), f"as found so far, {words}")
         left = residual_words(step.error.motion_percent, step.error.chi_square)
-        progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
-        if not step.added and not step.removed:
-            return
-        new = _kept(step, top.model.expressions)
-        kept = _extended(replace(refinement, ladder=kept), (new,), f"as found so far, {words}")
-        if found_so_far is not None:
-            did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
-            found_so_far(kept, f"{did}; looking for what else is missing")
+        found_so_far(kept, f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
 
     start = known.values | top.nuisances
     found = refine(

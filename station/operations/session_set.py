@@ -1,16 +1,20 @@
-"""The sessions that the operator named."""
+"""Sessions that are looked at together: those that the operator named, and those that were diagnosed with one."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeVar
 
+from daq.errors import StationError
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.fitting.own_linear import VARIES, changed_on_purpose
 from identify.fitting.segments import largest_first
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.exits import UsageProblem
-from station.operations.record_floor import with_floor
+from station.exits import Problem, UsageProblem
+from station.operations.refining import Refinement
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_pictures import NamedCurves, diagnosed_curves
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -52,16 +56,13 @@ def open_sessions(
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
     sessions = opened_once(arguments, settings)
     several = len(sessions) > 1
-
-    def prepared(session: Session, beside_others: bool = several) -> PreparedDecay:
-        decay = prepare_session(session, settings, beside_others=beside_others)
-        return with_floor(session, decay)
-
-    ready, left_out = of_each(sessions, prepared)
+    ready, left_out = of_each(
+        sessions, lambda session: prepare_session(session, settings, beside_others=several)
+    )
     if not ready:
         raise NotIdentifiable("; ".join(by_reason(left_out)))
     if several and len(ready) == 1:  # alone after all, by the rule for one
-        ready = [(ready[0][0], prepared(ready[0][0], beside_others=False))]
+        ready = [(ready[0][0], prepare_session(ready[0][0], settings))]
     sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
     _check_alike(sessions, decays)
     order = largest_first(decays)
@@ -121,3 +122,44 @@ def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...
                 f"{session.folder.name} has {', '.join(window.channels)} in {window.unit}, {sessions[0].folder.name} has "
                 f"{', '.join(first.channels)} in {first.unit}; only sessions with the same channels and unit go together"
             )
+
+
+def kept_curves(
+    refinement: Refinement, document: DiagnosisDocument, settings: Settings
+) -> NamedCurves | None:
+    """Return the curves of a session and of those beside it that were diagnosed together; None where it has none.
+
+    Sessions that are gone, or cannot be read, are left out. Raises UsageProblem when an effect is not in the library.
+    """
+    session, prepared = refinement.session, refinement.prepared
+    found = [(session.folder.name, prepared)]
+    for other in diagnosed_beside(session, document):
+        decay = prepared_or_none(other, settings)
+        if decay is not None and decay.window.channels == prepared.window.channels:
+            found.append((other.folder.name, decay))
+    names, decays = zip(*found, strict=True)
+    return diagnosed_curves(names, decays, document, refinement.library)
+
+
+def diagnosed_beside(session: Session, document: DiagnosisDocument) -> tuple[Session, ...]:
+    """Open the sessions in the same folder that a diagnosis looked at together with this one, those that are still there."""
+    place, own = session.folder.parent, session.folder.name
+    folders = [place / name for name in document.sessions if name != own]
+    opened = (opened_or_none(folder) for folder in folders if folder.parent == place)
+    return tuple(one for one in opened if one is not None)
+
+
+def opened_or_none(folder: Path) -> Session | None:
+    """Open a session; None where the folder is gone, or is none."""
+    try:
+        return Session.open(folder)
+    except (StationError, OSError):
+        return None
+
+
+def prepared_or_none(session: Session, settings: Settings) -> PreparedDecay | None:
+    """Prepare the release of a session; None where it holds too little or cannot be read."""
+    try:
+        return prepare_session(session, settings)
+    except (StationError, Problem, NotIdentifiable, OSError):
+        return None

@@ -11,7 +11,6 @@ from typing import TypeVar
 
 from daq.capture import CaptureSettings
 from daq.session import Session
-from daq.session_info import SessionInfo
 from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.new_session import capture_settings
@@ -62,17 +61,12 @@ def on_simulated(
 
 def simulated_capture(settings: Settings, specimen: str, speed: float) -> CaptureSettings:
     """Say how the simulated bench is captured; at another speed than its own no clock can be checked."""
-    info = SessionInfo(specimen=specimen, mass_kg=MASS_KG, operator="demo")
-    return replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    wanted = capture_settings(settings, specimen=specimen, mass=MASS_KG, operator="demo")
+    return replace(wanted, check_clock=speed == 1.0)
 
 
 def record_simulated(
-    wanted: CaptureSettings,
-    seed: int,
-    speed: float,
-    folder: Path,
-    with_viewer: bool,
-    module: str = "mocks",
+    settings: Settings, specimen: str, seed: int, speed: float, folder: Path, with_viewer: bool, module: str
 ) -> tuple[Session, int | None, str]:
     """Record one release; return the session, the live viewer's port, and how the board was made, as JSON.
 
@@ -81,7 +75,7 @@ def record_simulated(
 
     def act(port: str) -> tuple[Session, int | None]:
         progress(f"a simulated board answers at {port}")
-        return record(port, wanted, folder, with_viewer)
+        return record(port, simulated_capture(settings, specimen, speed), folder, with_viewer)
 
     (session, shown_at), made_of = on_simulated(act, seed, speed, module=module)
     return session, shown_at, made_of

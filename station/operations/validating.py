@@ -13,8 +13,15 @@ from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
-from station.operations.session_set import by_reason, declared, of_each, opened_once
+from station.operations.session_set import (
+    by_reason,
+    declared,
+    diagnosed_beside,
+    of_each,
+    opened_once,
+    opened_or_none,
+    prepared_or_none,
+)
 from station.own_effects import whole_library
 from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import RefusedSession, keep_document
@@ -64,9 +71,11 @@ def validate_sessions(
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
     changed = declared([varies, *(session.info.varies for session, _ in ready)])
-    decays = changed_on_purpose([decay for _, decay in ready], changed, _spring_of(given))
+    strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
+    spring = 0.0 if strength is None else float(given.known.values[str(strength)])
+    decays = changed_on_purpose([decay for _, decay in ready], changed, spring)
     known = [prepared_or_none(session, settings) for session in given.fitted_to]
-    own = changed_on_purpose([decay for decay in known if decay is not None], changed, _spring_of(given))
+    own = changed_on_purpose([decay for decay in known if decay is not None], changed, spring)
     progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
@@ -102,12 +111,6 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
     return GivenModel(source, file, known_model(file, said, library), fitted_to)
 
 
-def _spring_of(given: GivenModel) -> float:
-    """Return the stiffness of a model, 1/s^2; 0 where it has none."""
-    strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
-    return 0.0 if strength is None else float(given.known.values[str(strength)])
-
-
 def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
     """Return the model that a session keeps, and the sessions that it was fitted to."""
     usual = set(base_model().names)
@@ -130,19 +133,16 @@ def _prepared(
 ) -> tuple[list[tuple[Session, PreparedDecay]], dict[str, str]]:
     """Return the sessions that can be predicted, prepared, and why others cannot."""
     own = {session.folder.resolve() for session in given.fitted_to}
-
-    def prepared(session: Session) -> PreparedDecay:
-        if session.folder.resolve() in own:
-            raise NotIdentifiable(OWN)
-        decay = prepare_session(session, settings)
-        _check_suits(given, session.folder.name, decay)
-        return decay
-
-    ready, skipped = of_each(opened, prepared)
-    if not ready and set(skipped.values()) == {OWN}:
+    new = [session for session in opened if session.folder.resolve() not in own]
+    skipped = {session.folder.name: OWN for session in opened if session not in new}
+    if not new:
         raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
+    ready, too_little = of_each(new, lambda session: prepare_session(session, settings))
+    skipped |= too_little
     if not ready:
         raise NotIdentifiable(f"no session can be predicted: {'; '.join(by_reason(skipped))}")
+    for session, decay in ready:
+        _check_suits(given, session.folder.name, decay)
     for reason in by_reason(skipped):
         progress(f"skipped: {reason}")
     return ready, skipped

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import multiprocessing
 import os
+import re
 import signal
 import threading
 from collections.abc import Callable
@@ -104,14 +105,28 @@ def _finish_changes(arguments: tuple[Any, ...]) -> None:
                 finish_change(folder)
 
 
+OPTION = re.compile(
+    r"""see\ `[^`]+`,\ or\                                             # another command
+    |\ \([^()]*--[a-z][^()]*\)                                      # what an option does, in brackets
+    |,?(?:\ (?:as|as\ in|with))?\ --[a-z][a-z-]*(?:\ [\w.]+=(?:'[^']*'|[^\s;,)]+)|\ [\w.-]*\d[\w.-]*)?""",
+    re.VERBOSE,
+)
+"""What a message says to who types commands."""
+
+
+def on_the_page(words: str) -> str:
+    """Leave out of a message the options and commands that nobody can type on the page."""
+    return OPTION.sub("", words)
+
+
 class WorkerPool:
     """A few workers that share the tasks; those of one key go to the one whose cache knows it where it is free.
 
-    What a task failed of is `worded` for who reads it.
+    What a task failed of is said as `on_the_page`.
     """
 
-    def __init__(self, settings: Settings, most: int = MOST, worded: Callable[[str], str] = str) -> None:
-        self._settings, self._worded = settings, worded
+    def __init__(self, settings: Settings, most: int = MOST) -> None:
+        self._settings = settings
         self._workers = [Worker(settings) for _ in range(most)]
         self._free = asyncio.Condition()
         self._threads = ThreadPoolExecutor(2 * most, "workers")  # some wait for a worker that is ended
@@ -131,7 +146,7 @@ class WorkerPool:
             self._workers[self._workers.index(worker)] = Worker(self._settings)
             raise
         except Failed as failure:
-            raise Failed(self._worded(str(failure))) from None
+            raise Failed(on_the_page(str(failure))) from None
         finally:
             async with self._free:
                 worker.busy = False

@@ -11,11 +11,11 @@ from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session
 from station.operations.current_model import model_of_step
+from station.operations.diagnosing import compare_session
 from station.operations.identifying import identify_session
 from station.operations.refining import open_refinement
-from station.operations.session_curves import kept_curves
+from station.operations.session_set import kept_curves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import NamedCurves, NamedMaps, kept_force_maps
 from station.results.ladder import LADDER, KeptLadder

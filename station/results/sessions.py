@@ -31,6 +31,8 @@ from station.suggestions import did_you_mean
 MOST_RELEASES = 100
 NO_RELEASE = "no release found"
 FEWEST_SAMPLES = 32
+LONGEST = 100
+"""Letters of a name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +198,7 @@ def _form(note: str) -> str:
 
 
 def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
-    stem = _stem(file)
+    stem = plain(file.stem)
     name, number = stem, 1
     while (sessions / name).exists() or any((sessions / f"{name}{added}").exists() for added in names):
         number += 1
@@ -207,12 +209,15 @@ def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
 def made_of(file: Path, sessions: Path) -> list[Path]:
     """Return the sessions that were made of this very file."""
     content = file.read_bytes()
-    copies = ((folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{_stem(file)}*")))
+    copies = (
+        (folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{plain(file.stem)}*"))
+    )
     return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
 
 
-def _stem(file: Path) -> str:
-    return re.sub(r"[^\w.-]+", "_", file.stem).strip("._") or "recording"
+def plain(name: str) -> str:
+    """Write a name in letters, digits, dots and dashes, which leads out of no folder; "recording" where none is left."""
+    return re.sub(r"[^\w.-]+", "_", name).strip("._")[:LONGEST] or "recording"
 
 
 def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording], tuple[str, ...]]:

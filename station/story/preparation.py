@@ -1,13 +1,16 @@
 """From a recording to a release that can be fitted: channels, release, alignment, motion."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from daq.recording import Channel, Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.segments import segments_of
 from identify.free_decay import CHANNELS, FreeDecay
+from identify.model.model import base_model
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.prepared_decay import BESIDE_OTHERS, PreparedDecay, prepare
 from station.settings import Identify, Settings
@@ -47,13 +50,13 @@ def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing:
 
 
 def prepare_session(session: Session, settings: Settings, *, beside_others: bool = False) -> PreparedDecay:
-    """Return the release of a session, ready to be fitted; a short one will do `beside_others`.
+    """Return the release of a session with its floor, ready to be fitted; a short one will do `beside_others`.
 
     Raises NotIdentifiable, with the session's name, when it holds too little.
     """
     try:
         options = options_for(session, settings)
-        return prepare_recording(session.recording(), options, beside_others=beside_others)
+        return with_floor(prepare_recording(session.recording(), options, beside_others=beside_others))
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
 
@@ -73,6 +76,14 @@ def prepare_recording(
     if beside_others:
         return prepare(located, gain_uncertainty=gain, fewest_cycles=BESIDE_OTHERS)
     return prepare(located, gain_uncertainty=gain)
+
+
+def with_floor(prepared: PreparedDecay) -> PreparedDecay:
+    """Decide the width of a release's noise floor by the usual model, so that every model is judged by the same."""
+    try:
+        return replace(prepared, floor_std=fit_baseline(segments_of(prepared), base_model()).spread)
+    except NotIdentifiable:
+        return prepared
 
 
 def locate(recording: Recording, options: Options) -> AlignedDecay:

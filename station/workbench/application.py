@@ -13,16 +13,13 @@ from station.operations.workers import WorkerPool
 from station.report.write import NAME
 from station.settings import Settings
 from station.views.viewer import FILES
-from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
-from station.workbench.on_the_page import on_the_page
 from station.workbench.page import Page
 from station.workbench.session_list import SessionList
+from station.workbench.session_state import AppState
 from station.workbench.tasks import warm_up
 
 STATIC = Path(__file__).parent / "static"
-SCRIPTS = ("bench", "stage")
-"""In the order in which they need each other."""
 
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#00659e"/>'
@@ -40,18 +37,13 @@ POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; i
 
 
 def make(
-    settings: Settings,
-    named: tuple[Path, ...],
-    names: frozenset[str],
-    token: str,
-    any_address: bool,
-    temporary: Path,
+    settings: Settings, named: tuple[Path, ...], token: str, temporary: Path
 ) -> tuple[FastAPI, AppState]:
-    """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
-    workers = WorkerPool(settings, worded=on_the_page)
+    """Return the application, which answers who has the `token`, and the state behind it."""
+    workers = WorkerPool(settings)
     state = AppState(settings, workers, SessionList(settings.sessions, named), temporary)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-    app.add_middleware(Guard, names=names, token=token, any_address=any_address)
+    app.add_middleware(Guard, token=token)
     logging.getLogger("nicegui").setLevel(
         logging.ERROR
     )  # it warns of a busy computer, and of what is not served
@@ -60,12 +52,12 @@ def make(
     nicegui_app.on_startup(lambda: background_tasks.create(workers.warm(warm_up)))
 
     @ui.page("/")
-    def page(request: Request, session: str | None = None, step: int | None = None) -> None:
+    def page(request: Request, session: str | None = None) -> None:
         ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
-        for name in SCRIPTS:
+        for name in ("bench", "stage"):  # in the order in which they need each other
             ui.add_head_html(f'<script src="/static/bench/{name}.js"></script>')
         ui.colors(primary="#00659e")
-        Page(state, session, request.headers["host"], step)
+        Page(state, session, request.headers["host"])
 
     ui.run_with(
         app,
@@ -91,19 +83,19 @@ async def say_stopped() -> None:
 def serve_files(app: FastAPI, viewer: Path, session_list: SessionList) -> None:
     """Let the application serve the viewer's files out of the folder `viewer`, and results of the sessions on offer."""
 
+    def result(key: str, name: str, kind: str, **headers: str) -> Response:
+        file = session_list.result_of(key, name)
+        if file is None:
+            return PlainTextResponse("this session has no such result yet\n", 404)
+        return FileResponse(file, media_type=kind, headers=headers)
+
     @app.get("/report/{key}")
     def report(key: str) -> Response:
-        file = session_list.result_of(key, NAME)
-        if file is None:
-            return PlainTextResponse("there is no report of this session yet\n", 404)
-        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": POLICY})
+        return result(key, NAME, "text/html", **{"Content-Security-Policy": POLICY})
 
     @app.get("/viewer/recording/{stamp}/{name}")
     def recording(stamp: int, name: str) -> Response:
-        file = session_list.result_of(name.removesuffix(".rrd"), VIEW)
-        if file is None:
-            return PlainTextResponse("no such recording\n", 404)
-        return FileResponse(file, media_type="application/octet-stream")
+        return result(name.removesuffix(".rrd"), VIEW, "application/octet-stream")
 
     @app.get("/viewer/{name}")
     def part(name: str) -> Response:

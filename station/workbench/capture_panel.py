@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import asdict
 
 from nicegui import ui
@@ -11,13 +11,13 @@ from nicegui import ui
 from daq.capture import CaptureSettings
 from daq.errors import StationError
 from station.exits import Problem
-from station.operations.new_session import capture_settings, session_info
+from station.operations.new_session import capture_settings, new_folder
 from station.text.layout import sentence
 from station.workbench import widgets
-from station.workbench.app_state import AppState
 from station.workbench.capture_run import CaptureRun, Progress, mystery
 from station.workbench.parts import begun, part
 from station.workbench.session_list import address_of
+from station.workbench.session_state import AppState
 
 TICK_S = 0.1
 KINDS = {"armed": "floor", "recording": "preview"}
@@ -29,7 +29,7 @@ class CapturePanel:
     def __init__(self, state: AppState, began: Callable[[CaptureRun], None], chosen: str | None) -> None:
         self._state, self._began, self._chosen = state, began, chosen
         before = state.capturing.now if state.capturing is not None else None
-        past = before is not None and before.finished and _key(before) != (chosen or "")
+        past = before is not None and before.finished and before.key != (chosen or "")
         self._shown: Progress | None = before if past else None
         self._own: CaptureRun | None = None
         settings = state.settings
@@ -51,10 +51,6 @@ class CapturePanel:
             self._message = widgets.html().props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
-    def busy(self) -> bool:
-        """Check whether a capture is under way, in whichever tab."""
-        return self._state.capturing is not None and not self._state.capturing.now.finished
-
     def _known(self) -> list[str]:
         from daq.port import system_ports
 
@@ -75,29 +71,38 @@ class CapturePanel:
         none = ("no board answers; plug it in, type its port, or solve a mystery", "bad")
         self._say(*(lines or [none]))
 
-    def _start(self) -> None:
-        settings, port = self._state.settings, str(self._port.value or "").strip()
+    def asked(self) -> tuple[str, CaptureSettings] | None:
+        """Read the port, and how to capture, from the form; None where something is wrong, which is said."""
+        port = str(self._port.value or "").strip()
         if not port:
             self._say(("choose the port of the board, or press Find the board", "bad"))
-            return
+            return None
+        how = {"mass": self._mass.value or None, "duration": self._duration.value}
         try:
-            info = session_info(settings, self._mass.value or None)
-            wanted = capture_settings(settings, info, duration=self._duration.value)
+            return port, capture_settings(self._state.settings, **how)
         except (StationError, Problem, ValueError) as error:
             self._say((str(error).splitlines()[0], "bad"))
-        else:
-            self._record(nullcontext(port), wanted, "release")
+            return None
+
+    def _start(self) -> None:
+        if asked := self.asked():
+            port, wanted = asked
+            folder = new_folder(self._state.settings.sessions)
+            self.begin(lambda: CaptureRun(nullcontext(port), wanted, folder))
 
     def solve_mystery(self) -> None:
         """Record a simulated board that hides something, as if it stood on the bench."""
         seed, board, wanted = mystery(self._state.settings)
-        self._record(board, wanted, f"mystery_{seed}")
+        folder = new_folder(self._state.settings.sessions, f"mystery_{seed}")
+        self.begin(lambda: CaptureRun(board, wanted, folder))
 
-    def _record(self, board: AbstractContextManager[str], wanted: CaptureSettings, prefix: str) -> None:
-        if self.busy():
-            ui.notify("another tab is recording: this click started nothing", type="warning")
+    def begin(self, make: Callable[[], CaptureRun]) -> None:
+        """Begin to record in this tab, unless one is recording already."""
+        before = self._state.capturing
+        if before is not None and not before.now.finished:
+            ui.notify("a recording is under way: this click started nothing", type="warning")
             return
-        self._own = self._state.capturing = CaptureRun(board, wanted, self._state.settings.sessions, prefix)
+        self._own = self._state.capturing = make()
         self._began(self._own)
 
     def _tick(self) -> None:
@@ -107,17 +112,18 @@ class CapturePanel:
         now = self._shown = run.now
         self._form.set_visibility(now.finished)
         if now.finished:
-            self._finished(now)
+            self._finished(run)
         elif run is self._own:
             self._say(("recording: see the scope", "faint"))
         else:
             silent = now.detail.startswith("nothing came")
             self._say((now.sentence, "strong"), (now.detail, "bad strong" if silent else "faint"))
 
-    def _finished(self, now: Progress) -> None:
-        kept = "What was received is in the list below." if now.problem and now.kept is not None else ""
+    def _finished(self, run: CaptureRun) -> None:
+        now, key = run.now, run.now.key
+        kept = "What was received is in the list below." if now.problem and run.folder.is_dir() else ""
         lines = [(sentence(now.problem), "bad"), (kept, "faint")]
-        verdict, key = now.verdict, _key(now)
+        verdict = None if now.session is None else now.session.verdict
         good = verdict is not None and verdict.grade.value == "OK"
         if key and not (key == self._chosen and good):
             lines.append(
@@ -133,16 +139,11 @@ class CapturePanel:
         self._message.content = said + (part("link", f"Open {opens}", address_of(opens)) if opens else "")
 
 
-def _key(now: Progress) -> str:
-    """Name the session that a capture made; "" where it made none."""
-    return "" if now.session is None else now.session.name
-
-
 class ScopePanel:
-    """Shown in the tab that records; it opens the session when that is sealed."""
+    """Shown in the tab that records, while there is a `run`; it opens the session when that is sealed."""
 
     def __init__(self) -> None:
-        self._run: CaptureRun | None = None
+        self.run: CaptureRun | None = None
         self._shown: Progress | None = None
         self._panel = ui.element("section").classes("scope-panel").props('aria-label="The scope"')
         with self._panel:
@@ -152,7 +153,7 @@ class ScopePanel:
                     self._what = widgets.label("", "what")
                     self._more = widgets.label("", "more")
                 widgets.button(
-                    "Cancel", lambda: self._run.cancel() if self._run else None, "Cancel the capture"
+                    "Cancel", lambda: self.run.cancel() if self.run else None, "Cancel the capture"
                 )
             widgets.chart("scope", "Live scope", "scope")
             self._levels = widgets.html("card tight")
@@ -161,23 +162,18 @@ class ScopePanel:
 
     def follow(self, capture: CaptureRun) -> None:
         """Show a capture from now on."""
-        self._run = capture
+        self.run = capture
         self._panel.set_visibility(True)
 
-    @property
-    def visible(self) -> bool:
-        """Whether the panel has the middle."""
-        return bool(self._panel.visible)
-
     def _tick(self) -> None:
-        if self._run is None or self._run.now is self._shown:
+        if self.run is None or self.run.now is self._shown:
             return
-        now = self._shown = self._run.now
+        now = self._shown = self.run.now
         if now.finished:
-            self._run = None
+            self.run = None
             self._panel.set_visibility(False)
-            if now.session is not None and not now.problem:
-                ui.navigate.to(address_of(now.session.name))
+            if now.key:
+                ui.navigate.to(address_of(now.key))
             return
         self._statement.props["data-kind"] = KINDS.get(now.state, "film")
         left = now.scope.left_s

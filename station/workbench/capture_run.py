@@ -6,20 +6,18 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
 from daq.rest_detection import primary
+from daq.session import Session
 from daq.trigger import threshold
 from firmware_protocol import Hello
 from station.exits import sentence_of
 from station.operations.mystery import BOARD, SEEDS
-from station.operations.new_session import new_folder
 from station.operations.simulated_board import simulated_board, simulated_capture
 from station.settings import Settings
 from station.text.capture_progress import STATES
@@ -47,44 +45,103 @@ class Scope:
     left_s: float | None = None
 
 
-class ScopeTrace:
-    """Gathers what a capture sees; `scope` is what to draw now."""
+@dataclass(frozen=True)
+class Level:
+    """The newest value of a channel in the unit that is shown, and how large it is against the largest so far."""
+
+    channel: str
+    value: float
+    unit: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
+
+    `finished` says that it has ended, of a capture with the sealed `session`, or with a `problem` in a sentence.
+    """
+
+    state: str = ""
+    sentence: str = "asking the board"
+    detail: str = ""
+    levels: tuple[Level, ...] = ()
+    lost: int = 0
+    finished: bool = False
+    problem: str = ""
+    session: Session | None = None
+    scope: Scope = field(default_factory=Scope)
+
+    @property
+    def key(self) -> str:
+        """The name of the session that the capture made; "" where it made none."""
+        return "" if self.session is None else self.session.folder.name
+
+
+class ScopeObserver(CaptureObserver):
+    """Gathers what a capture shows: `now` is where it stands, with what the scope draws. It can end the capture."""
 
     def __init__(self, settings: CaptureSettings) -> None:
+        self.now = Progress()
         self._settings = settings
-        self._row = 0
-        self._channel: Channel | None = None
-        self._times, self._values, self._rest = np.zeros(0), np.zeros(0), np.zeros(0)
-        self._state, self._since = "", time.monotonic()
-        self._last = self._since
+        self._channels: tuple[Channel, ...] = ()
+        self._largest = np.zeros(0)
+        self._row, self._ended = 0, False
+        self._since = time.monotonic()
 
-    def connected(self, channels: tuple[Channel, ...]) -> None:
+    def cancel(self) -> None:
+        """End the capture; what was received is kept."""
+        self._ended = True
+
+    def _go_on(self) -> None:
+        """Leave the capture the way Ctrl-C does, so that the session is closed as aborted."""
+        if self._ended:
+            raise KeyboardInterrupt("cancelled on the workbench")
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
         """Note the channels; the one that triggers is shown."""
+        self._go_on()
+        self._channels, self._largest = channels, np.full(len(channels), 1e-300)
         wanted = primary(channels)
         self._row = next((i for i, c in enumerate(channels) if c.quantity == wanted), 0)
-        self._channel = channels[self._row] if channels else None
+        self._times, self._values, self._rest = np.zeros(0), np.zeros(0), np.zeros(0)
+        self._last = time.monotonic()
+        self.now = replace(self.now, lost=0)
 
-    def state(self, name: str) -> None:
-        """Note where the capture stands."""
-        if name != self._state:
-            self._state, self._since = name, time.monotonic()
+    def state(self, name: str, detail: str) -> None:
+        """Note where it stands."""
+        if name != "sealed":
+            self._go_on()
+        if name != self.now.state:
+            self._since = time.monotonic()
+        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=typeset(detail))
 
-    def block(self, samples: Array) -> None:
-        """Keep samples, shape (channels, n); they are spread over the time since the block before."""
-        if self._channel is None or samples.shape[1] == 0:
+    def block(self, first_index: int, samples: Array) -> None:
+        """Keep samples, shape (channels, n), spread over the time since the block before; note the levels."""
+        self._go_on()
+        if not samples.shape[1] or not self._channels:
             return
         now, row = time.monotonic(), samples[self._row]
-        if self._state == "resting":
+        if self.now.state == "resting":
             self._rest = np.append(self._rest, row)[-2000:]
         times = np.append(self._times, np.linspace(self._last, now, len(row) + 1)[1:])
         new = np.searchsorted(times, now - SHOWN_S)
         self._times, self._values, self._last = times[new:], np.append(self._values, row)[new:], now
+        self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
+        levels = []
+        for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
+            factor, unit = scale_as_recorded(channel.quantity, channel.unit)
+            levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
+        self.now = replace(self.now, levels=tuple(levels), scope=self._scope())
 
-    def scope(self) -> Scope:
+    def loss(self, gap: Gap) -> None:
+        """Note a loss."""
+        self._go_on()
+        self.now = replace(self.now, lost=self.now.lost + gap.count)
+
+    def _scope(self) -> Scope:
         """Choose the points to draw; extremes are kept where there are more samples than points."""
-        channel = self._channel
-        if channel is None:
-            return Scope()
+        channel = self._channels[self._row]
         factor, unit = scale_as_recorded(channel.quantity, channel.unit)
         zero = noise = level = None
         if len(self._rest) >= 8:
@@ -109,7 +166,7 @@ class ScopeTrace:
             "armed": self._settings.trigger_timeout_s,
             "triggered": self._settings.duration_s,
             "recording": self._settings.duration_s,
-        }.get(self._state)
+        }.get(self.now.state)
         return None if lasts is None else max(0.0, lasts - (time.monotonic() - self._since))
 
 
@@ -121,37 +178,6 @@ def _extremes(values: Array) -> NDArray[np.intp]:
     return np.unique([part[find(values[part])] for part in parts for find in (np.argmin, np.argmax)])
 
 
-@dataclass(frozen=True)
-class Level:
-    """The newest value of a channel in the unit that is shown, and how large it is against the largest so far."""
-
-    channel: str
-    value: float
-    unit: str
-    share: float
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
-
-    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in a sentence; `kept` is
-    what was received of a capture that failed.
-    """
-
-    state: str = ""
-    sentence: str = "asking the board"
-    detail: str = ""
-    levels: tuple[Level, ...] = ()
-    lost: int = 0
-    finished: bool = False
-    problem: str = ""
-    verdict: Verdict | None = None
-    session: Path | None = None
-    kept: Path | None = None
-    scope: Scope = field(default_factory=Scope)
-
-
 def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager[str], CaptureSettings]:
     """Draw a mystery: its number, a simulated board that hides something, given `more` options, and how it is captured."""
     seed = secrets.randbelow(SEEDS)
@@ -159,80 +185,29 @@ def mystery(settings: Settings, *more: str) -> tuple[int, AbstractContextManager
     return seed, board, simulated_capture(settings, f"mystery {seed}", MYSTERY_SPEED)
 
 
-class CaptureRun(CaptureObserver):
-    """A capture that runs until it is sealed, fails, or is cancelled."""
+class CaptureRun(ScopeObserver):
+    """A capture into a new `folder` in a thread of its own, until it is sealed, fails, or is cancelled."""
 
-    def __init__(
-        self,
-        board: AbstractContextManager[str],
-        settings: CaptureSettings,
-        sessions: Path,
-        prefix: str = "release",
-    ) -> None:
-        self.now = Progress()
-        self._board, self._settings = board, settings
-        plain = sessions / prefix
-        self._folder = plain if prefix != "release" and not plain.exists() else new_folder(sessions, prefix)
-        self._trace = ScopeTrace(settings)
-        self._channels: tuple[Channel, ...] = ()
-        self._largest = np.zeros(0)
-        self._ended = False
+    def __init__(self, board: AbstractContextManager[str], settings: CaptureSettings, folder: Path) -> None:
+        super().__init__(settings)
+        self.folder, self._board = folder, board
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
         self._thread.start()
-
-    def cancel(self) -> None:
-        """End the capture; what was received is kept."""
-        self._ended = True
 
     def wait(self, seconds: float) -> None:
         """Wait until it has ended, at most some seconds."""
         self._thread.join(seconds)
 
-    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
-        """Note the channels."""
-        self._go_on()
-        self._channels = channels
-        self._largest = np.full(len(channels), 1e-300)
-        self._trace.connected(channels)
-
-    def state(self, name: str, detail: str) -> None:
-        """Note where it stands."""
-        if name != "sealed":
-            self._go_on()
-        self._trace.state(name)
-        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=typeset(detail))
-
-    def block(self, first_index: int, samples: Array) -> None:
-        """Note the levels."""
-        self._go_on()
-        if not samples.shape[1]:
-            return
-        self._trace.block(samples)
-        self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
-        levels = []
-        for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
-            factor, unit = scale_as_recorded(channel.quantity, channel.unit)
-            levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
-        self.now = replace(self.now, levels=tuple(levels), scope=self._trace.scope())
-
-    def loss(self, gap: Gap) -> None:
-        """Note a loss."""
-        self._go_on()
-        self.now = replace(self.now, lost=self.now.lost + gap.count)
-
-    def _go_on(self) -> None:
-        """Leave the capture the way Ctrl-C does, so that the session is closed as aborted."""
-        if self._ended:
-            raise KeyboardInterrupt("cancelled on the workbench")
-
     def _run(self) -> None:
-        found: dict[str, Any] = {}
+        session, problem = None, ""
         try:
             with self._board as port:
-                session = capture(port, self._settings, self._folder, self)
-            found = {"session": session.folder, "verdict": session.verdict}
+                session = self._record(port)
         except KeyboardInterrupt:
-            found = {"problem": "cancelled", "kept": self._folder if self._folder.is_dir() else None}
+            problem = "cancelled"
         except Exception as error:
-            found = {"problem": sentence_of(error), "kept": getattr(error, "session", None)}
-        self.now = replace(self.now, finished=True, **found)
+            problem = sentence_of(error)
+        self.now = replace(self.now, finished=True, session=session, problem=problem)
+
+    def _record(self, port: str) -> Session | None:
+        return capture(port, self._settings, self.folder, self)

@@ -1,18 +1,17 @@
-"""Frames: one session under several models, on axes that stay. What each model leaves, over the cycle and over time."""
+"""Frames: one session under several models, on axes that stay. What each model leaves, in the phase plane and over time."""
 
 import hashlib
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array
+from identify.comparison.compare import without_faults
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import shoot
-from identify.comparison.residual_force import estimate_extra_force
+from identify.comparison.phase_plane import compare_phase_plane
 from identify.fitting.fit import Fit
-from identify.fitting.problem import Problem
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.models import ModelFile
 from station.text.numbers import scale, typeset
@@ -22,28 +21,8 @@ MOST_POINTS = 3000
 FINE = 20_000
 """Steps over the largest value, of which a screen shows one in ten."""
 
-RINGS, SECTORS = 10, 32
-FEWEST = 4
-"""Samples in a cell, on the average, below which the cells are made larger."""
-
-ALONE = 0.4
-"""Share of rings and sectors for one channel, which hardly tells the forces of neighbouring cells apart."""
-
-UNKNOWN = 8.0
-"""Times the median standard error above which nothing is known of a cell."""
-
-
-@dataclass(frozen=True, eq=False)
-class Ground:
-    """What all frames of a session stand on: its release, its `stage`, and the unit of forces that people read.
-
-    `member` says in which of the visited cells of the map each sample lies.
-    """
-
-    prepared: PreparedDecay
-    stage: Drawing
-    member: NDArray[np.intp]
-    force_scale: float
+FEWEST = 7
+"""Samples in a cell of the map where two channels tell the forces of neighbouring cells apart."""
 
 
 def numbers(values: Array, steps: float = FINE) -> Numbers:
@@ -58,45 +37,26 @@ def frame_id(model: ModelFile) -> str:
     return hashlib.sha256(model.model_dump_json().encode()).hexdigest()[:16]
 
 
-def ground_of(prepared: PreparedDecay, fit: Fit) -> Ground:
-    """Settle the axes and cells of a session. They depend on the release alone, not on a model; `fit` gives its window.
+def stage_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
+    """Settle the axes of a session, which depend on the release alone, not on a model; `fit` gives its window.
 
     The stage holds `time` (s since the release); `traces`, one for each channel: its name, the measured `values` in `unit`,
-    and the `fine_unit` of residual and noise; `cycle`, the cells of the map: edges of `rows` (amplitude) and
-    `columns` (phase, rad: 0 at the largest displacement, growing with time), and the `cells` that were visited, row *
-    columns + column; `velocity_per_amplitude`, the velocity that goes with one unit of amplitude; and the `units` of
-    displacement "u", velocity "v" and force "f".
+    and the `fine_unit` of residual and noise; the `units` of displacement "u", velocity "v" and force "f"; the `largest`
+    displacement and velocity in them; and the `mass` that the forces of all frames have in them.
     """
     window, motion = fit.windows[0], prepared.motion
-    units, frequency = DiscrepancyText(window.unit, prepared.mass), prepared.frequency
-    u, w = motion.displacement, motion.velocity / frequency
-    size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
-    coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
-    coarse = coarse if window.paired else min(coarse, ALONE)
-    rings, sectors = (
-        max(4, round(RINGS * coarse)),
-        4 * max(3, round(SECTORS * coarse / 4)),
-    )  # reversals are edges
-    amplitude = np.linspace(0.0, float(np.nanmax(size)) * (1.0 + 1e-9), rings + 1)
-    phase = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
-    codes, member = np.unique(_place(size, amplitude) * sectors + _place(angle, phase), return_inverse=True)
     factor, unit = scale("displacement", window.unit)
-    stage = {
+    force_unit = DiscrepancyText(window.unit, prepared.mass).force_unit
+    return {
         "time": numbers(window.clock[:: _stride(fit)], 1e6),
-        "velocity_per_amplitude": frequency / factor,
-        "units": {"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
+        "units": {"u": unit, "v": f"{window.unit}/s", "f": typeset(force_unit)},
         "traces": [_trace(fit, channel) for channel in window.channels],
-        "cycle": {
-            "rows": numbers(amplitude * factor),
-            "columns": numbers(phase),
-            "cells": codes.tolist(),
+        "mass": prepared.mass,
+        "largest": {
+            "u": float(np.nanmax(np.abs(motion.displacement))) * factor,
+            "v": float(np.nanmax(np.abs(motion.velocity))),
         },
     }
-    return Ground(prepared, stage, member, units.force_scale)
-
-
-def _place(values: Array, edges: Array) -> NDArray[np.intp]:
-    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
 
 
 def _trace(fit: Fit, channel: str) -> Drawing:
@@ -123,23 +83,19 @@ def _holes(fit: Fit, channel: str) -> NDArray[np.bool_]:
     return hole
 
 
-def frame_of(ground: Ground, fit: Fit) -> Drawing:
+def frame_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
     """Work out what a fitted model leaves: `model`, its readings, `left`, the residual, and `noise`, the standard deviation
-    by which it is judged, channel by channel in the units of the stage; `cycle` and `cycle_std`, the force that it lacks in
-    each cell and its standard error.
+    by which it is judged, channel by channel in the units of the stage; `force` and `force_std`, the force that it lacks in
+    each known cell of the phase plane and its standard error; `cells`, the edges of each: displacement, then velocity.
 
-    The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
-    each cell takes up the residual; so its standard error is that of the readings' noise.
+    The map is that of `identify.comparison`, which the words beside it, the report and the tab Curves have too.
     """
-    cells = np.arange(len(ground.stage["cycle"]["cells"]))
-    patterns = np.asarray(ground.member[:, None] == cells, dtype=float)
-    found = estimate_extra_force(shoot(*without_faults(ground.prepared, fit)), patterns)
-    usual = float(np.median(found.std))
-    force, std = (
-        np.where(found.std < UNKNOWN * usual, one * ground.force_scale, np.nan)
-        for one in (found.size, found.std)
-    )
+    seen = without_faults(prepared, fit) if fit.model.faults else (prepared, fit)
+    plane = compare_phase_plane(shoot(*seen), FEWEST if fit.windows[0].paired else 12)
     window, stride = fit.windows[0], _stride(fit)
+    row, column = plane.bins.T
+    u, v = plane.displacement_edges * scale("displacement", window.unit)[0], plane.velocity_edges
+    newtons = DiscrepancyText(window.unit, prepared.mass).force_scale
     models, lefts, noise = [], [], []
     for channel in window.channels:
         factor, _ = scale(channel, window.unit)
@@ -152,27 +108,7 @@ def frame_of(ground: Ground, fit: Fit) -> Drawing:
         "model": models,
         "left": lefts,
         "noise": noise,
-        "cycle": numbers(force),
-        "cycle_std": numbers(std),
+        "force": numbers(plane.force[row, column] * newtons),
+        "force_std": numbers(plane.std[row, column] * newtons),
+        "cells": np.column_stack([u[column], u[column + 1], v[row], v[row + 1]]).tolist(),
     }
-
-
-def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
-    """Correct a release and its fit for the sensors' faults in the model, which then has forces alone.
-
-    A fault would be taken for a force otherwise: the residual of a reading is laid to the motion.
-    """
-    faults = [term.effect.name for term in fit.model.terms if not term.is_force]
-    if not faults:
-        return prepared, fit
-    model, window, motion = fit.model, fit.windows[0], prepared.motion
-    for name in faults:
-        model = model.minus(name)
-    clean = Problem(model, fit.windows[:1], fit.frequency)
-    theta = clean.theta(fit.of_release(0))
-    seen = clean.read(theta, 0, clean.respond(theta, 0))
-    error = {c: fit.predicted[0][c] - seen[c] for c in window.channels}
-    readings = {c: window.readings[c] - error[c] for c in window.channels}
-    moved = {c: getattr(motion, c) - error[c] for c in ("displacement", "velocity") if c in error}
-    right = replace(prepared, motion=replace(motion, **moved))
-    return right, replace(fit, model=model, windows=(window.with_(readings=readings),))

@@ -1,18 +1,15 @@
 """The guard at the door: who may speak to the server, and what its pages may fetch.
 
-A page of another site can reach a server on 127.0.0.1: by a name that it points there (DNS rebinding), or by opening
-a websocket. Both show in their headers. So can any other user of this computer, who shows in nothing: hence the token.
+A page of another site can reach a server on 127.0.0.1, and so can any other user of this computer: hence the token.
 The address that is printed holds it; the first request with it is answered by a cookie and the address without it, and
-no request of any kind passes without the one or the other.
+no request of any kind passes without the one or the other. A browser sends the cookie to the name alone by which it got
+it, so not to one that a site points here (DNS rebinding); but to every port, so that a foreign origin is refused.
 """
 
-from collections.abc import Iterable
-from ipaddress import ip_address
 from secrets import compare_digest, token_urlsafe
-from urllib.parse import quote, urlencode, urlsplit
+from urllib.parse import quote, urlencode
 
 from starlette.datastructures import MutableHeaders
-from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -48,14 +45,11 @@ and sends its own calls as text that is evaluated. Inline styles stay: Quasar an
 
 
 class Guard:
-    """ASGI middleware: refuses foreign names and origins, who has no token, and what is too large; adds the policy."""
+    """ASGI middleware: refuses foreign origins, who has no token, and what is too large; adds the policy."""
 
-    def __init__(self, app: ASGIApp, names: Iterable[str], token: str, any_address: bool = False) -> None:
-        """Let in the host `names` (with port); with `any_address` any that is a plain IP address."""
+    def __init__(self, app: ASGIApp, token: str) -> None:
         self._app = app
-        self._names = {name.lower() for name in names}
         self._token = token.encode()
-        self._any_address = any_address
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what may pass."""
@@ -71,18 +65,19 @@ class Guard:
         elif answer is not None:
             await answer(scope, receive, send)
         else:
-            await self._app(scope, _limited(receive), _with_policy(send, host))
+            await self._app(scope, receive, _with_policy(send, host))
 
     def _refusal(self, asked: HTTPConnection, host: str) -> Response | None:
         """Return the answer to what may not pass; None to what may."""
         own = (f"http://{host}", f"https://{host}")
-        if not self._known(host) or asked.headers.get("origin", own[0]).lower() not in own:
+        if asked.headers.get("origin", own[0]).lower() not in own:
             return PlainTextResponse(OWN_PAGE, 403)
         cookie = f"workbench-{asked.scope['server'][1]}"  # a cookie is of a host, whatever the port
         if not self._is_token(asked.cookies.get(cookie, "")):
             return self._admission(asked, cookie) or PlainTextResponse(NO_TOKEN, 403)
         length = asked.headers.get("content-length", "0")
-        if not length.isdecimal() or len(length) > 15 or int(length) > LARGEST_BODY:
+        unsaid = "transfer-encoding" in asked.headers  # no browser sends a file so
+        if unsaid or not length.isdecimal() or len(length) > 15 or int(length) > LARGEST_BODY:
             return PlainTextResponse(TOO_LARGE, 413, {"connection": "close"})
         return None
 
@@ -102,26 +97,6 @@ class Guard:
     def _is_token(self, given: str) -> bool:
         return compare_digest(given.encode(), self._token)
 
-    def _known(self, host: str) -> bool:
-        if host in self._names:
-            return True
-        return self._any_address and _is_address(urlsplit(f"//{host}").hostname or "")
-
-
-def _limited(receive: Receive) -> Receive:
-    """Count a body whose length was not said."""
-    taken = 0
-
-    async def counted() -> Message:
-        nonlocal taken
-        message = await receive()
-        taken += len(message.get("body", b"")) if message["type"] == "http.request" else 0
-        if taken > LARGEST_BODY:
-            raise HTTPException(413, TOO_LARGE)
-        return message
-
-    return counted
-
 
 def _with_policy(send: Send, host: str) -> Send:
     """Add the policy to every answer, and its nonce to the scripts of a page, so that no other script in it is run."""
@@ -134,10 +109,12 @@ def _with_policy(send: Send, host: str) -> Send:
         if message["type"] == "http.response.start":
             policy = PAGE.format(socket=f"ws://{host}", nonce=nonce)
             headers = MutableHeaders(scope=message)
-            headers["content-security-policy"] = policy
+            own = (
+                headers.setdefault("content-security-policy", policy) == policy
+            )  # a report has a stricter one
             headers["x-content-type-options"] = "nosniff"
             headers["referrer-policy"] = "no-referrer"
-            if headers.get("content-type", "").startswith("text/html"):
+            if own and headers.get("content-type", "").startswith("text/html"):
                 begun = message
                 return
         elif begun and message["type"] == "http.response.body":
@@ -151,11 +128,3 @@ def _with_policy(send: Send, host: str) -> Send:
         await send(message)
 
     return with_policy
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ip_address(name)
-    except ValueError:
-        return False
-    return True

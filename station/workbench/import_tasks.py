@@ -1,7 +1,7 @@
-"""The worker's task that makes sessions of dropped files: one alone, or several of one logger by one recipe."""
+"""The tasks of a worker that make sessions: of an example, or of dropped files, several of one logger by one recipe."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from daq.importing.apply import matched
@@ -9,21 +9,53 @@ from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import read_table
 from daq.importing.recipe import Recipe
+from daq.session_info import SessionInfo
 from station.campaign import sources as campaign_sources
 from station.campaign.sources import FOLDER, find_sources
 from station.campaign.together import campaign
 from station.exits import UsageProblem
+from station.operations import examples
 from station.operations.new_session import session_info
-from station.operations.workers import Say
+from station.operations.workers import Say, on_the_page
 from station.results.kept_recipes import look_with_kept
 from station.results.sessions import import_file
 from station.settings import Settings
 from station.text.campaign_text import told
 from station.text.content import Paragraph
-from station.workbench.on_the_page import on_the_page
 from station.workbench.parts import part
 from station.workbench.session_list import outline
-from station.workbench.view_models import AskedColumn, Imported, ImportQuestion
+from station.workbench.view_models import Numbers
+
+
+@dataclass(frozen=True)
+class AskedColumn:
+    """A column of a file: what it is called, its first numbers, and all of it as a line of few."""
+
+    place: str
+    numbers: str
+    line: Numbers
+
+
+@dataclass(frozen=True)
+class ImportQuestion:
+    """What is to be said of a file: a sentence, the recipe that is proposed, and a column for each of its fields."""
+
+    sentence: str
+    recipe: Recipe
+    columns: tuple[AskedColumn, ...]
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What came of files: the names of the sessions, and what is told of them: of several, a campaign as HTML."""
+
+    sessions: list[str]
+    told: str
+
+
+def open_example(settings: Settings, say: Say, name: str) -> str:
+    """Import a recording that comes with the station, unless it is there already; return its session's name."""
+    return examples.open_example(name, settings.sessions).folder.name
 
 
 def import_files(
@@ -43,13 +75,13 @@ def import_files(
     """
     first, *others = files
     say(f"reading {first.name}")
+    info = session_info(settings, mass, varies=varies.split(","))
     try:
         if recipe is None and (ask or others):
             known = look_with_kept(first, settings.sessions)[0].read().recipe
             return _question(first, known, "what the columns seem to be")
         if recipe is not None and others:
-            return _campaign(settings, say, files, recipe, mass, names, varies)
-        info = session_info(settings, mass)
+            return _campaign(settings, say, files, recipe, names, info)
         made = import_file(first, None, settings.sessions, ImportOptions(), info, recipe)
     except Doubtful as refusal:
         doubts = (doubt.partition("; ")[0] for doubt in refusal.proposal.doubts)  # what to do is on the page
@@ -75,15 +107,8 @@ def _question(file: Path, recipe: Recipe, sentence: str) -> ImportQuestion:
 
 
 def _campaign(
-    settings: Settings,
-    say: Say,
-    files: Sequence[Path],
-    recipe: Recipe,
-    mass: float | None,
-    names: str,
-    varies: str,
+    settings: Settings, say: Say, files: Sequence[Path], recipe: Recipe, names: str, info: SessionInfo
 ) -> Imported:
-    info = session_info(settings, mass, varies=varies.split(","))
     form = campaign_sources.Names(names) if names.strip() else None
     lines: list[str] = []
     made = []

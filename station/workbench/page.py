@@ -1,5 +1,6 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
+import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -8,10 +9,8 @@ from nicegui import background_tasks, ui
 
 from identify.formatting import plain_name
 from station.operations import refining
-from station.operations.workers import Failed
 from station.report.write import NAME
-from station.workbench import further_tasks, tasks, telling, widgets
-from station.workbench.app_state import AppState
+from station.workbench import tasks, telling, widgets
 from station.workbench.capture_panel import CapturePanel, ScopePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
@@ -19,15 +18,15 @@ from station.workbench.guide_panel import GuidePanel
 from station.workbench.others_menu import others_menu, validate_dialog
 from station.workbench.parts import part
 from station.workbench.session_menu import SessionMenu
-from station.workbench.session_state import SessionState
+from station.workbench.session_state import AppState, SessionState
 from station.workbench.sessions_panel import SessionsPanel
-from station.workbench.stage_feed import StageFeed
-from station.workbench.statements import switched_off
+from station.workbench.statements import says_of, switched_off
+from station.workbench.view_models import Drawing
 from station.workbench.waiting import BusyLine, TellingPanel
 
 TICK_S = 0.05
 SLOW_S = 0.4
-"""Seconds after which a step that was thought to be short is shown to run."""
+"""Seconds after which a computation is shown to run."""
 
 STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rerun"
 PICTURES = {
@@ -39,8 +38,8 @@ PICTURES = {
 class Page:
     """One browser tab."""
 
-    def __init__(self, state: AppState, key: str | None, host: str, step: int | None = None) -> None:
-        self._state, self._key, self._host, self._step = state, key, host, step
+    def __init__(self, state: AppState, key: str | None, host: str) -> None:
+        self._state, self._key, self._host = state, key, host
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.session(folder) if folder else None
         self._seen = -1
@@ -51,7 +50,7 @@ class Page:
             columns.classes("" if key else "start")
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
                 self._capture = CapturePanel(state, self._record, key)
-                GuidePanel(state.settings, self._capture.busy)
+                GuidePanel(state, self._capture)
                 SessionsPanel(state, key)
             middle = ui.element("section").classes("bench-column story")
             with middle.props('aria-label="Measurement and model"'):
@@ -82,9 +81,9 @@ class Page:
         if self._session is not None and self._key is not None:
             SessionMenu(self._state, self._session, self._key)
             with widgets.line().props("aria-live=polite"):
-                self._report = TellingPanel(self._session, further_tasks.report, "gathering")
+                self._report = TellingPanel(self._session, telling.report, "gathering")
                 if self._state.session_list.result_of(self._key, NAME):
-                    self._report.show(further_tasks.way_to_report(self._key))
+                    self._report.show(telling.way_to_report(self._key))
             widgets.button("Report", self._write_report, "Write the report of this session")
         widgets.button("", self._turn_theme, "Switch between light and dark").props("id=theme")
 
@@ -92,16 +91,25 @@ class Page:
         self._busy = BusyLine(lambda: self._session.cancel() if self._session else None, "card tight busybar")
         with widgets.line("card tight notice") as self._notice:
             self._said = widgets.label("", "grow wrap")
-            widgets.button("Close", self._close_notice, "Close the message")
+            widgets.button(
+                "Close", lambda: self._session.say("") if self._session else None, "Close the message"
+            )
         self._notice.set_visibility(False)
         self._scope = ScopePanel()
-        self._empty = EmptyMiddle(self._session, self._key, self._capture.solve_mystery)
+        does = {
+            "solve": lambda _: self._capture.solve_mystery(),
+            "examples": lambda _: ui.run_javascript("bench.toExamples()"),
+        }
+        with ui.element("div").classes("empty grow") as self._empty:
+            self._words = widgets.html("contents", does)
+            if self._session is not None:
+                self._recorded = TellingPanel(self._session, telling.recorded, "Drawing what was recorded")
         self._tabs = ui.element("div").classes("story-tabs")
         if self._session is not None:
             with self._tabs:
                 self._build_tabs(self._session)
         self._tabs.set_visibility(False)
-        self._empty.show(visible=True)
+        self._say_why_empty()
 
     def _build_tabs(self, session: SessionState) -> None:
         sessions, self._feed = self._state.session_list, StageFeed(session)
@@ -127,25 +135,16 @@ class Page:
                 doing = "Identifying: envelope and frequency, and the restoring force surface"
                 self._identified = TellingPanel(session, telling.identified, doing)
             with ui.tab_panel(RERUN):
-                self._viewer = TellingPanel(session, further_tasks.viewer, "Writing the viewer's recording")
+                self._viewer = TellingPanel(session, telling.viewer, "Writing the viewer's recording")
 
     def _actions(self, session: SessionState, validate: Callable[[], Any]) -> dict[str, Callable[[str], Any]]:
         """Name what a click on an element of `parts.html` does, by the name that the element carries."""
 
-        async def reveal(_: str) -> None:
-            session.notice = "Asking the simulated board what it hid …"
-            session.changed()
-            try:
-                session.notice = await session.ask(further_tasks.reveal)
-            except Failed as failure:
-                session.notice = str(failure)
-            session.changed()
-
         return {
             "add": session.add,
             "diagnose": lambda _: session.diagnose(),
-            "refine": lambda _: session.start("Refining", tasks.refine, long=True),
-            "reveal": reveal,
+            "refine": lambda _: session.start("Refining", tasks.refine),
+            "reveal": lambda _: session.start("Asking the simulated board", tasks.reveal),
             "go": lambda place: session.change(f"Going to step {place}", refining.go_to, int(place)),
             "undo": lambda _: session.undo(),
             "remove": lambda name: session.change(f"Taking {plain_name(name)} out", refining.remove, name),
@@ -180,23 +179,18 @@ class Page:
 
     def _record(self, capture: CaptureRun) -> None:
         """Give the middle to the scope; the session of the recording is opened when it is sealed."""
-        for place in (self._empty.place, self._tabs, self._right):
+        for place in (self._empty, self._tabs, self._right):
             place.set_visibility(False)
         self._scope.follow(capture)
         self._seen = -1
 
-    def _close_notice(self) -> None:
-        if self._session is not None:
-            self._session.notice = ""
-            self._session.changed()
-
     def _tick(self) -> None:
         session = self._session
         if session is None:
-            self._empty.place.set_visibility(not self._scope.visible)
+            self._empty.set_visibility(self._scope.run is None)
             return
         self._show_busy(session)
-        if session.version != self._seen and not self._scope.visible:
+        if session.version != self._seen and self._scope.run is None:
             self._seen = session.version
             self._show(session)
 
@@ -204,7 +198,7 @@ class Page:
         """Show what runs. The loop takes no clicks while it computes; what it shows stays readable."""
         words, running = "", session.running
         seconds = time.monotonic() - running.since if running is not None else 0.0
-        if running is not None and (running.long or seconds > SLOW_S):
+        if running is not None and seconds > SLOW_S:
             doing = session.progress or "waiting for a free worker"
             words = f"{running.title}: {doing} ({seconds:.0f} s)"
         self._busy.show(words, session.share_done)
@@ -212,14 +206,26 @@ class Page:
             if bool(place.props.get("inert")) != bool(words):
                 place.props.set_bool("inert", bool(words))
 
+    def _say_why_empty(self) -> None:
+        """Say how it stands where there is nothing to show of a session, or no session."""
+        problem = "" if self._session is None else self._session.problem
+        self._words.content = part("empty", self._key, self._session is not None, problem)
+        if problem:
+            background_tasks.create(self._draw())
+
+    async def _draw(self) -> None:
+        with self._empty:
+            await self._recorded.open(await widgets.is_dark())
+
     def _show(self, session: SessionState) -> None:
         view = session.view
         self._said.text = session.notice
         self._notice.set_visibility(bool(session.notice))
         for place in (self._head_tabs, self._tabs):
             place.set_visibility(view is not None)
-        self._empty.show(visible=view is None)
+        self._empty.set_visibility(view is None)
         if view is None:
+            self._say_why_empty()
             return
         self._right.set_visibility(self._head_tabs.value != RERUN)
         self._ladder.content = part("fall", view, bool(session.earlier), switched_off(view.ladder))
@@ -227,35 +233,39 @@ class Page:
         if self._head_tabs.value in (DETAILS, NUMBERS) and session.running is None:
             background_tasks.create(self._open_tab())
         self._feed.send()
-        if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
-            ui.run_javascript(f"bench.filmTo({self._step})")
-            self._step = None
 
 
-class EmptyMiddle:
-    """Seen while there is nothing to show of a session, or no session."""
+class StageFeed:
+    """Sends one tab what its pictures need: each frame once, with its changes."""
 
-    def __init__(
-        self, session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]
-    ) -> None:
-        self._session, self._key = session, key
-        does = {
-            "solve": lambda _: solve_mystery(),
-            "examples": lambda _: ui.run_javascript("bench.toExamples()"),
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._stage: Drawing = {}
+        self._sent: set[str] = set()
+
+    def send(self) -> None:
+        """Send what is new since the last time."""
+        session, view = self._session, self._session.view
+        if view is None or not view.stage:
+            return
+        document = view.diagnosis if view.about_present and not view.at_floor else None
+        present = view.ladder.top.effects
+        suspects = {e: name for e, name in session.suspects.suspects.items() if e not in present}
+        shown = session.frames.get(view.step_frames[view.ladder.present], {})
+        says = session.suspects.says | says_of(view, shown.get("summary", ""))
+        news: dict[str, Any] = {
+            "steps": list(view.step_frames),
+            "present": view.ladder.present,
+            "suspects": suspects,
+            "best": document.named[0] if document is not None and document.named else None,
+            "says": says,
+            "names": {name: plain_name(name) for name in says},
         }
-        with ui.element("div").classes("empty grow") as self.place:
-            self._words = widgets.html("contents", does)
-            if session is not None:
-                self._recorded = TellingPanel(session, telling.recorded, "Drawing what was recorded")
-
-    def show(self, visible: bool) -> None:
-        """Say how it stands, where the middle is empty."""
-        self.place.set_visibility(visible)
-        problem = "" if self._session is None else self._session.problem
-        self._words.content = part("empty", self._key, self._session is not None, problem)
-        if problem and visible:
-            background_tasks.create(self._draw())
-
-    async def _draw(self) -> None:
-        with self.place:
-            await self._recorded.open(await widgets.is_dark())
+        if self._stage != view.stage:
+            news["stage"] = view.stage
+            self._sent.clear()
+        self._stage = view.stage
+        wanted = {*view.step_frames, *suspects.values()} - self._sent
+        news["frames"] = {name: frame for name, frame in session.frames.items() if name in wanted}
+        self._sent.update(news["frames"])
+        ui.run_javascript(f"bench.receive({json.dumps(news)})")

@@ -8,11 +8,10 @@ import signal
 import socket
 import tempfile
 import webbrowser
-from collections.abc import Callable
 from pathlib import Path
 
 from station.exits import UsageProblem
-from station.output import next_line, say_in_one_line
+from station.output import next_line, progress, say_in_one_line
 from station.settings import Settings
 
 HOST = "127.0.0.1"
@@ -35,7 +34,6 @@ def serve(
     host: str,
     port: int,
     open_browser: bool,
-    say: Callable[[str], None],
 ) -> None:
     """Serve until interrupted. `named` are sessions of the command line; the first is opened."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it tidies up as after Ctrl-C
@@ -47,17 +45,13 @@ def serve(
         from station.workbench.session_list import address_of
 
         bound = opened.getsockname()[1]
-        everywhere = host in ("0.0.0.0", "::")
-        shown = HOST if everywhere else host
+        shown = HOST if host in ("0.0.0.0", "::") else host
         place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
-        names = {place, f"localhost:{bound}"}
-        if everywhere:
-            names.add(f"{socket.gethostname()}:{bound}")
         token, folder = secrets.token_urlsafe(24), Path(temporary)
-        app, state = make(settings, named, frozenset(names), token, everywhere, folder)
+        app, state = make(settings, named, token, folder)
         page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
         address = f"{page}{'&' if '?' in page else '?'}token={token}"
-        say_in_one_line(say)
+        say_in_one_line()
         config = uvicorn.Config(
             app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=1
         )
@@ -70,8 +64,8 @@ def serve(
         server = Server(config)
 
         async def run() -> None:
-            say(f"workbench: {address}")
-            say("end it with Ctrl-C")
+            progress(f"workbench: {address}")
+            progress("end it with Ctrl-C")
             if open_browser:
                 asyncio.get_running_loop().run_in_executor(None, webbrowser.open, _way_to(address, folder))
             await server.serve(sockets=[opened])
@@ -79,8 +73,8 @@ def serve(
         try:
             asyncio.run(run())
         except KeyboardInterrupt:
-            say("workbench closed; everything is kept in the sessions")
-            say(next_line("list", settings.sessions))
+            progress("workbench closed; everything is kept in the sessions")
+            progress(next_line("list", settings.sessions))
         finally:
             if state.capturing is not None:
                 state.capturing.cancel()

@@ -1,5 +1,7 @@
-"""The menu of a session: rename, notes, what is known of the specimen, export, delete."""
+"""The menu of a session: rename, notes, what is known of the specimen, export; delete moves it into the bin."""
 
+import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,13 +10,49 @@ from nicegui import ui
 
 from daq.errors import StationError
 from daq.session import Session
-from station.exits import Problem
+from daq.storage import Lock
+from station.exits import Problem, UsageProblem
 from station.operations.workers import Failed
-from station.workbench import further_tasks, tasks, widgets
-from station.workbench.app_state import AppState
+from station.results.sessions import plain
+from station.workbench import tasks, widgets
 from station.workbench.session_list import address_of
-from station.workbench.session_state import SessionState
-from station.workbench.stored_sessions import describe, rename, to_bin
+from station.workbench.session_state import AppState, SessionState
+
+
+def rename(folder: Path, wanted: str) -> Path:
+    """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
+    name = plain(wanted) if wanted.strip() else ""
+    if not name:
+        raise UsageProblem("a session needs a name of letters, digits, dots and dashes")
+    place = folder.with_name(name)
+    if place == folder:
+        return folder
+    if place.exists():
+        raise UsageProblem(f"there is a session called {name} already")
+    _move(folder, place)
+    Session.open(place).update(name=name)
+    return place
+
+
+def to_bin(folder: Path) -> Path:
+    """Move a session into the bin beside it, from which it can be taken back by hand; return where it is now."""
+    place = folder.parent / ".bin" / f"{folder.name}_{time.strftime('%Y%m%d_%H%M%S')}"
+    place.parent.mkdir(exist_ok=True)
+    _move(folder, place)
+    return place
+
+
+def _move(folder: Path, place: Path) -> None:
+    try:
+        lock = Lock(folder)
+        lock.acquire()
+        lock.release()
+    except StationError as error:
+        raise UsageProblem(f"{folder.name} is being written; wait until it is sealed") from error
+    try:
+        os.rename(folder, place)
+    except OSError as error:
+        raise UsageProblem(f"{folder.name} was not moved: {error.strerror or error}") from error
 
 
 class SessionMenu:
@@ -45,7 +83,7 @@ class SessionMenu:
 
         def save() -> None:
             changes = {name: field.value or "" for name, field in texts.items()}
-            describe(folder, **changes, mass_kg=mass.value)
+            Session.open(folder).update(**changes, mass_kg=mass.value or None)
             place = rename(folder, str(name.value or ""))
             if place != folder:
                 self._leave(place, address_of(place.name))
@@ -77,12 +115,12 @@ class SessionMenu:
 
     @contextmanager
     def _asking(self, title: str, does: Callable[[], None], yes: str, no: str) -> Iterator[None]:
-        """Show the dialog with what is made inside, and the answers under it; a Problem of what is done stands there."""
+        """Show the dialog with what is made inside, and the answers under it; what could not be done is said there."""
 
         def attempt() -> None:
             try:
                 does()
-            except Problem as error:
+            except (Problem, StationError) as error:
                 problem.text = str(error)
 
         self._body.clear()
@@ -97,7 +135,7 @@ class SessionMenu:
 
     async def _export(self) -> None:
         try:
-            text = await self._session.ask(further_tasks.export)
+            text = await self._session.ask(tasks.export)
         except Failed as failure:
             ui.notify(f"Nothing was exported: {failure}")
         else:

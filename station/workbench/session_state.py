@@ -1,10 +1,10 @@
-"""One session as every tab that shows it sees it. One computation at a time; each change has a number."""
+"""What all tabs share: each session with one computation at a time, the workers, the list, and the capture under way."""
 
 import asyncio
 import contextlib
 import re
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,25 +12,24 @@ from nicegui import Event
 
 from station.operations import refining
 from station.operations.workers import Failed, Say, Task, WorkerPool
-from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
+from station.settings import Settings
 from station.story.pipeline import silent
 from station.text.layout import sentence
 from station.workbench import tasks
+from station.workbench.capture_run import CaptureRun
 from station.workbench.opened_session import results_stamp
+from station.workbench.session_list import SessionList
 from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
-
-MOST_UNDONE = 50
 
 
 @dataclass(frozen=True)
 class Running:
-    """A computation under way: what it is called, since when (monotonic s), and whether it may take long."""
+    """A computation under way: what it is called, and since when (monotonic s)."""
 
     title: str
     since: float
-    long: bool
 
 
 class SessionState:
@@ -39,12 +38,9 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder, self.workers = folder, workers
         self.view: View | None = None
-        self.summary = ""
         self.frames: dict[str, Drawing] = {}
         self.suspects = Drawn()
-        self._suspects_drawn = False
         self.earlier: list[KeptLadder] = []
-        self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
         self._others: tuple[Path, ...] = ()
         self.problem = self.notice = self.progress = ""
         self.running: Running | None = None
@@ -71,13 +67,12 @@ class SessionState:
         if self.running is None and (self.view is None or self.view.stamp != results_stamp(self.folder)):
             self.start("Reading and fitting", tasks.look)
 
-    def start(self, title: str, task: Task, *arguments: Any, long: bool = False) -> bool:
+    def start(self, title: str, task: Task, *arguments: Any) -> bool:
         """Begin a task that returns a view; False while another is under way."""
         if self.running is not None:
-            self.notice = f"{self.running.title} is under way; wait, or cancel it"
-            self.changed()
+            self.say(f"{self.running.title} is under way; wait, or cancel it")
             return False
-        self.running = Running(title, time.monotonic(), long)
+        self.running = Running(title, time.monotonic())
         self.progress = self.problem = ""
         self.notice = self.notice if task is tasks.look else ""
         self.version += 1  # shown in a moment: the task goes first
@@ -96,7 +91,12 @@ class SessionState:
 
     def diagnose(self, title: str = "Trying every effect") -> None:
         """Ask what the present model lacks."""
-        self.start(title, tasks.diagnose, self.others, long=True)
+        self.start(title, tasks.diagnose, self.others)
+
+    def say(self, notice: str) -> None:
+        """Show a notice in every tab; "" closes the one that is shown."""
+        self.notice = notice
+        self.changed()
 
     def changed(self) -> None:
         """Tell every tab that there is something to show."""
@@ -137,60 +137,43 @@ class SessionState:
             return
         self.diagnose("Asking what the new model lacks")
 
-    def _hear(self, said: str | View) -> None:
-        """Note what a worker says; a view of what was found so far is shown at once."""
-        if isinstance(said, str):
+    def _hear(self, said: str | View | Drawn) -> None:
+        """Note what a worker says; what was found so far is shown at once."""
+        if isinstance(said, str) and self.running is not None:
             self.progress = said
-        elif self.running is not None:
+            return
+        if isinstance(said, str):  # what it finds cannot be kept
+            self.notice = sentence(said.removeprefix("note: "))
+        elif isinstance(said, View):
             self._take(said)
-            self.changed()
+        else:
+            known, self.frames = self.suspects, self.frames | said.frames
+            self.suspects = Drawn({}, known.suspects | said.suspects, known.says | said.says)
+        self.changed()
 
     def _take(self, found: View, undone: bool = False) -> None:
         """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
-        if found.diagnosis is not None:
-            self._diagnoses[tuple(found.diagnosis.model.effects)] = found.diagnosis
-            known = self._diagnoses.get(tuple(found.ladder.top.effects))
-            if known is not None and not found.about_present:
-                found = replace(found, diagnosis=known)  # that of the model that one has gone back to
         before, self.view = self.view, found
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
-            self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder][-MOST_UNDONE:]
-            self.summary = ""  # of another model
-        if before is not None and before.weighing != found.weighing:
-            self.summary = ""  # in other units
+            self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder]
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
-            self.suspects, self._suspects_drawn = Drawn(), False
+            self.suspects = Drawn()
         wanted = {*found.step_frames, *self.suspects.suspects.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
     async def _complete(self) -> None:
-        """Let be made what a view goes without at first: the summary, frames of other steps and of the suspects."""
+        """Let be made what a view goes without at first: where the model fails, other steps' frames, the suspects."""
         view = self.view
         if view is None:
             return
-        document = None if self._suspects_drawn or not view.about_present else view.diagnosis
-        suspects = document is not None and bool(document.suspects)
-        if self.summary and not suspects and all(name in self.frames for name in view.step_frames):
-            return
 
         def hear(said: Drawn | str) -> None:
-            if view is not self.view:  # another task has answered meanwhile, and asks for its own
-                return
-            if isinstance(said, str):  # what it finds cannot be kept
-                self.notice = sentence(said.removeprefix("note: "))
-            else:
-                known, self.frames = self.suspects, self.frames | said.frames
-                self.suspects = Drawn({}, known.suspects | said.suspects, known.says | said.says)
-            self.changed()
+            if view is self.view:  # else another task has answered meanwhile, and asks for its own
+                self._hear(said)
 
         with contextlib.suppress(asyncio.CancelledError, Failed):
-            words = await self.ask(
-                tasks.complete, bool(self.summary), document if suspects else None, say=hear
-            )
-            if view is self.view:
-                self.summary, self._suspects_drawn = self.summary or words, self._suspects_drawn or suspects
-                self.changed()
+            await self.ask(tasks.complete, say=hear)
 
     async def ask(self, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task on this session; raises Failed."""
@@ -220,3 +203,28 @@ class SessionState:
 def _steps(ladder: KeptLadder) -> object:
     """Pick out what makes two ladders different to the operator."""
     return ladder.present, ladder.steps
+
+
+@dataclass
+class AppState:
+    """Settings, workers, the sessions on offer, those that are open by their folder, and the one capture at a time.
+
+    `temporary` is a folder that goes when the server ends.
+    """
+
+    settings: Settings
+    workers: WorkerPool
+    session_list: SessionList
+    temporary: Path
+    sessions: dict[Path, SessionState] = field(default_factory=dict)
+    capturing: CaptureRun | None = None
+
+    def session(self, folder: Path) -> SessionState:
+        """Open the session in a folder, unless a tab has opened it."""
+        return self.sessions.setdefault(folder, SessionState(folder, self.workers))
+
+    def moved(self, folder: Path, place: Path) -> None:
+        """Forget a session as it was before it was moved; those that are looked at together with it follow it."""
+        self.sessions.pop(folder, None)
+        for session in self.sessions.values():
+            session.follow(folder, place)

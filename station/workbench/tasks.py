@@ -8,27 +8,26 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from daq.exporting import encode
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect
-from identify.effects.library import LIBRARY
+from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
-from station.operations.diagnosing import check_same_bench, diagnose_sessions, keep
+from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions
 from station.operations.examples import EXAMPLES, examples_folder
+from station.operations.exporting import fitted_samples
+from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.operations.workers import Say
-from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
 from station.settings import Settings
-from station.story.pipeline import silent
 from station.story.preparation import Options, prepare_recording
 from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
@@ -51,14 +50,16 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     session, weighing = opened.refinement.session, opened.refinement.weighing
     names = tuple(frame_id(step.model) for step in ladder.steps)
     opened.draw_step(ladder.top)
+    if kept := kept_diagnosis(session):
+        opened.diagnoses[tuple(kept.model.effects)] = kept
     effects = _effects(ladder)
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
-        kept_diagnosis(session),
+        opened.diagnoses.get(tuple(ladder.top.effects), kept),
         {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
-        {} if opened.ground is None else opened.ground.stage,
+        opened.stage,
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,
         note,
@@ -99,7 +100,7 @@ def refine(settings: Settings, say: Say, folder: Path) -> View:
         say(_view(settings, opened, ladder))
         say(words)
 
-    return _view(settings, opened, refine_to_floor(opened.refinement, silent, seen))
+    return _view(settings, opened, refine_to_floor(opened.refinement, seen))
 
 
 def begin_again(settings: Settings, say: Say, folder: Path) -> View:
@@ -108,6 +109,14 @@ def begin_again(settings: Settings, say: Say, folder: Path) -> View:
     opened = open_session(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
     return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
+
+
+def reveal(settings: Settings, say: Say, folder: Path) -> View:
+    """Say what the board of a mystery hid, and whether the present model has it."""
+    opened = open_session(settings, folder)
+    ladder, truth = opened.refinement.ladder, what_was_hidden(opened.refinement.session)
+    solved = "in your model: solved" if truth["hidden"] in ladder.top.effects else "not in your model yet"
+    return _view(settings, opened, ladder, f"The simulated board hid {hidden_words(truth)}. It is {solved}.")
 
 
 def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...]) -> View:
@@ -120,33 +129,29 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
     if others:
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         check_same_bench(sessions, False, say)
-    _, document = diagnose_sessions(sessions, current_model((session,)), None, say, say)
-    keep(sessions, document, say)
+    diagnose_sessions(sessions, current_model((session,)), None, say, say)
     return _view(settings, opened, refinement.ladder)
 
 
-def complete(
-    settings: Settings, say: Say, folder: Path, compared: bool, document: DiagnosisDocument | None
-) -> str:
-    """Draw all steps and the suspects of a diagnosis, and send each as soon as it is drawn.
-
-    Returns where the present model fails, in words; "" where it was `compared` before.
-    """
+def complete(settings: Settings, say: Say, folder: Path) -> None:
+    """Draw all steps and the suspects of the present model, say where it fails, and send each as soon as it is known."""
     opened = open_session(settings, folder)
-    refinement, words = opened.refinement, ""
-    if not compared:
+    refinement = opened.refinement
+    frame = opened.drawn[opened.draw_step(refinement.ladder.top)][0]
+    if "summary" not in frame:
         with contextlib.suppress(Problem, NotIdentifiable):
             found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
-            words = typeset(found.comparison.summary)
+            frame["summary"] = typeset(found.comparison.summary)
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))
-    for drawn in () if document is None else _suspects(opened, document):
+    for drawn in _suspects(opened):
         say(drawn)
-    return words
 
 
-def _suspects(opened: Opened, document: DiagnosisDocument) -> Iterator[Drawn]:
-    shown = [suspect for suspect in document.suspects if suspect.model is not None][:MOST_CARDS]
+def _suspects(opened: Opened) -> Iterator[Drawn]:
+    document = opened.diagnoses.get(tuple(opened.refinement.ladder.top.effects))
+    suspects = document.suspects if document is not None else []
+    shown = [suspect for suspect in suspects if suspect.model is not None][:MOST_CARDS]
     for suspect in shown:
         assert suspect.model is not None
         with contextlib.suppress(NotIdentifiable, UsageProblem):  # shown without a picture
@@ -166,19 +171,29 @@ def preview(settings: Settings, say: Say, folder: Path, wanted: str) -> Drawn:
 
 def _tried(opened: Opened, wanted: str) -> Drawn:
     """Draw the present model with `wanted` added, and say what it leaves."""
+    key = frame_id(opened.refinement.ladder.top.model), wanted
+    if key in opened.previews:
+        return opened.previews[key]
     step, _ = tried(opened.refinement, wanted)
     name, error, effect = opened.draw_step(step), step.error, name_of(wanted)
     more = "Fitted to this release; Add keeps it."
     ladder = opened.refinement.ladder
     words = explained_words(ladder.top.error.chi2, error.chi2, ladder.top.error.chi2_std)
     says = with_effect(ladder, called(wanted), error.motion_percent, error.chi2, words, more)
-    return Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+    opened.previews[key] = Drawn({name: opened.drawn[name][0]}, {effect: name}, {effect: says})
+    return opened.previews[key]
+
+
+def export(settings: Settings, say: Say, folder: Path) -> str:
+    """Write the aligned channels, the present model and the residuals as CSV."""
+    say("writing the samples")
+    opened = open_session(settings, folder)
+    return encode(fitted_samples(opened.refinement, opened.present_fit()), "csv").decode()
 
 
 def warm_up(*_: object) -> None:
     """Fit, extend and compare a recording that comes with the station; a worker's task like the others."""
     recording = look_at(examples_folder() / EXAMPLES[0].file).read().recordings[0]
     prepared = prepare_recording(recording, Options())
-    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
-    step = add_effect(first_step((prepared,)), friction)
+    step = add_effect(first_step((prepared,)), find_effect("stribeck_friction"))
     compare_fitted(step.baseline)

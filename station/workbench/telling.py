@@ -1,21 +1,24 @@
-"""The tabs of the page in words, tables and pictures: the same as in the commands and the report."""
+"""What the tabs of the page show: words, tables and pictures as in the commands, Rerun's viewer, the way to the report."""
 
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from daq.errors import StationError
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
-from station.operations.comparing import compare_session
+from station.operations.diagnosing import compare_session
 from station.operations.identifying import identify_session
-from station.operations.session_curves import kept_curves
+from station.operations.session_set import kept_curves
 from station.operations.validating import validate_sessions
+from station.operations.viewer_tabs import write_view
 from station.operations.workers import Say
 from station.report.loop import curves_of, where_it_fails
+from station.report.write import write_report
 from station.results.ladder import read_ladder
 from station.settings import Settings
 from station.text import comparison_text, identification_text, table, validation_text
@@ -24,6 +27,7 @@ from station.text.layout import sentence
 from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import PAGE
+from station.views.viewer import unpack
 from station.workbench.opened_session import kept_diagnosis, open_session
 from station.workbench.parts import part
 
@@ -94,3 +98,28 @@ def validated(settings: Settings, say: Say, folder: Path, others: tuple[Path, ..
     """Predict other sessions by the present model, and tell how well."""
     chosen = tuple(str(other) for other in others)
     return validation_text.told(validate_sessions(str(folder), chosen, settings, progress=say))
+
+
+def viewer(settings: Settings, say: Say, folder: Path, temporary: Path, host: str, dark: bool) -> str:
+    """Write the recording that `station view` writes, and the viewer's own files; return the viewer as HTML."""
+    session = Session.open(folder)
+    result, _ = identify_session(session, settings, say)
+    say("writing the recording")
+    file = write_view(session, result, settings, dark=dark)
+    if not (temporary / "index.html").is_file():
+        unpack(temporary)
+    place = f"viewer/recording/{file.stat().st_mtime_ns}/{quote(folder.name, safe='')}.rrd"  # no browser keeps an old one
+    recording, theme = quote(f"http://{host}/{place}", safe=""), "dark" if dark else "light"
+    return part("viewer", f"/viewer/index.html?url={recording}&hide_welcome_screen=1&theme={theme}")
+
+
+def report(settings: Settings, say: Say, folder: Path) -> str:
+    """Write the report of a session; return the way to it as HTML."""
+    say("writing the report")
+    write_report(Session.open(folder), settings=settings, progress=say)
+    return way_to_report(folder.name)
+
+
+def way_to_report(key: str) -> str:
+    """Write the way to the report of a session as HTML."""
+    return part("report", f"/report/{quote(key, safe='')}")

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.engineering_values import UNKNOWN, Weighing
@@ -12,36 +11,10 @@ Numbers = list[float | None]
 """Values to draw, None where nothing is known."""
 
 Drawing = dict[str, Any]
-"""What the page's script draws; `frames.ground_of` and `frames.frame_of` say what is in it."""
+"""What the page's script draws; `frames.stage_of` and `frames.frame_of` say what is in it."""
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""
-
-
-@dataclass(frozen=True)
-class AskedColumn:
-    """A column of a file: what it is called, its first numbers, and all of it as a line of few."""
-
-    place: str
-    numbers: str
-    line: Numbers
-
-
-@dataclass(frozen=True)
-class ImportQuestion:
-    """What is to be said of a file: a sentence, the recipe that is proposed, and a column for each of its fields."""
-
-    sentence: str
-    recipe: Recipe
-    columns: tuple[AskedColumn, ...]
-
-
-@dataclass(frozen=True)
-class Imported:
-    """What came of files: the names of the sessions, and what is told of them: of several, a campaign as HTML."""
-
-    sessions: list[str]
-    told: str
 
 
 @dataclass(frozen=True, eq=False)

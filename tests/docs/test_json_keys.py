@@ -8,7 +8,7 @@ from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
-from station.operations.comparing import comparison_document
+from station.operations.diagnosing import comparison_document
 from station.results.campaign_document import CampaignDocument
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.documents import Document

@@ -68,17 +68,17 @@ def test_a_busy_port_is_reported_with_the_program_that_has_it() -> None:
 
 
 def test_a_port_without_permission_fails() -> None:
-    with (
-        board("pty", "--seed", "5") as port,
-        mock.patch("daq.port_facts.port_facts", return_value=PortFacts(True, False, (), None)),
-    ):
-        code, found, _ = doctor("--port", port)
-    assert (code, found["permission"][0]) == (3, "FAIL")
+    with mock.patch("daq.port.serial.serial_for_url", side_effect=PermissionError(13, "Permission denied")):
+        code, found, _ = doctor("--port", "/dev/ttyS9")
+    assert (code, found["board"]) == (
+        3,
+        ("FAIL", "/dev/ttyS9: you have no permission to open this port"),
+    )
 
 
 def test_a_port_that_is_not_there_fails() -> None:
     code, found, _ = doctor("--port", "/dev/does-not-exist")
-    assert (code, found["port"][0]) == (3, "FAIL")
+    assert (code, found["board"]) == (3, ("FAIL", "/dev/does-not-exist: there is no such port"))
 
 
 def test_the_facts_of_a_port_come_from_the_system(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_the_facts_of_a_port_come_from_the_system(tmp_path: Path) -> None:
     (tmp_path / "tty" / "ttyX" / "device").mkdir(parents=True)
     (tmp_path / "tty" / "ttyX" / "device" / "latency_timer").write_text("16\n")
     facts = port_facts(str(device), tmp_path / "proc", tmp_path / "tty")
-    assert facts == PortFacts(True, True, (("minicom", 4711),), 16)
+    assert facts == PortFacts((("minicom", 4711),), 16)
 
 
 def test_no_port_at_all_is_a_warning() -> None:

@@ -10,7 +10,6 @@ from hidden import DUFFING
 from station.cli import run
 from station.operations.current_model import current_model
 from station.operations.identifying import kept_options
-from station.operations.record_floor import NAME, with_floor
 from station.operations.refining import add, open_refinement
 from station.report.findings import gather
 from station.results.sessions import open_session
@@ -105,7 +104,8 @@ def test_a_suspect_is_nothing_that_the_model_has_and_nothing_is_missing(chosen, 
 
 def test_one_record_has_one_floor_whatever_model_is_judged(chosen, capsys):
     """A model that explains the record knows its noise better; the floor that is stated does not narrow with it."""
-    width = json.loads((chosen.results / NAME).read_text())["chi2_std"]
+    width = prepare_session(chosen, Settings()).floor_std
+    assert width is not None
     kept = json.loads((chosen.results / "identification.json").read_text())
     usual = said(capsys, "compare", "duffing", "--model", "usual", "--json")
     refinement = open_refinement(chosen, Settings(), reset=True)
@@ -139,11 +139,3 @@ def test_a_long_record_is_judged_in_its_pieces_by_every_command_and_one_run_says
     assert compared["one_run"]["chi2"] > 1.5 * compared["error"]["chi2"]
     assert run(["compare", "long", "--full"]) == 0
     assert "judged in" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("text", ["{}", '{"format": 1, "session": "x", "chi2_std": -1}', "nonsense"])
-def test_a_floor_that_was_altered_is_decided_again(chosen, text):
-    before = json.loads((chosen.results / NAME).read_text())
-    (chosen.results / NAME).write_text(text)
-    with_floor(chosen, prepare_session(chosen, Settings()))
-    assert json.loads((chosen.results / NAME).read_text()) == before

@@ -9,15 +9,12 @@ import pytest
 from mocks.in_process import running
 from station import exits
 from station.exits import UsageProblem
-from station.operations.new_session import capture_settings, session_info
+from station.operations.new_session import capture_settings
 from station.settings import Settings
 
 
 def release_from(text: str | None) -> float | None:
-    settings = Settings()
-    return capture_settings(
-        settings, session_info(settings, None, None, None, None), release=text
-    ).release_from
+    return capture_settings(Settings(), release=text).release_from
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from hidden import DUFFING, TRUTH
 
 from daq.session import Session
 from station.operations.refining import open_refinement
-from station.operations.session_curves import kept_curves
+from station.operations.session_set import kept_curves
 from station.report.loop import suspects
 from station.results.diagnosis_document import CurveDocument, read_diagnosis
 from station.settings import Settings

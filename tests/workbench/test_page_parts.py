@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from daq.capture import CaptureSettings
+from daq.errors import DataLost, OperatorError
 from daq.recording import Channel
+from daq.session import Session, list_sessions
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import plain_name
 from identify.model.model import Model, Term
@@ -17,15 +19,15 @@ from station.results.diagnosis_document import DiagnosisDocument, refused_docume
 from station.settings import Settings
 from station.story.pipeline import silent
 from station.story.residual import explained_words
-from station.workbench import stored_sessions
-from station.workbench.capture_run import ScopeTrace
+from station.workbench import session_menu
+from station.workbench.capture_run import ScopeObserver
 from station.workbench.opened_session import open_session
 from station.workbench.parts import begun
 from station.workbench.session_list import outline
 from station.workbench.statements import says_of
 from station.workbench.tasks import look
 
-CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
+CSS = Path(session_menu.__file__).parent / "static" / "bench.css"
 
 
 @pytest.mark.parametrize(
@@ -57,13 +59,11 @@ def kept(tmp_path):
 
 
 def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
-    from daq.session import Session, list_sessions
-
-    place = stored_sessions.rename(kept, " Motor 2/links ")
+    place = session_menu.rename(kept, " Motor 2/links ")
     assert (place.name, Session.open(place).info.name) == ("Motor_2_links", "Motor_2_links")
-    stored_sessions.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
+    Session.open(place).update(remarks="bolt M8 loose", mass_kg=3.5)
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
-    binned = stored_sessions.to_bin(place)
+    binned = session_menu.to_bin(place)
     assert list_sessions(place.parent) == ()
     binned.rename(place)
     assert [summary.folder for summary in list_sessions(place.parent)] == [place]
@@ -104,9 +104,9 @@ def test_what_releases_show_together_is_a_share_of_what_the_model_leaves_in_all_
 def test_a_name_that_is_none_leaves_the_session_where_it_is(kept, wanted):
     if not wanted.strip():
         with pytest.raises(UsageProblem, match="needs a name"):
-            stored_sessions.rename(kept, wanted)
+            session_menu.rename(kept, wanted)
     else:
-        assert stored_sessions.rename(kept, wanted).parent == kept.parent
+        assert session_menu.rename(kept, wanted).parent == kept.parent
 
 
 @pytest.mark.parametrize(
@@ -118,23 +118,23 @@ def test_a_raw_log_that_was_damaged_is_named_with_what_to_do(kept, left, said):
     raw.unlink()
     if left is not None:
         raw.write_bytes(before[:left])
-    with pytest.raises(UsageProblem, match=rf"raw.log, which .*, {said}: import source/.* again"):
+    with pytest.raises(DataLost, match=rf"raw.log, which .*, {said}: import source/.* again"):
         open_session(Settings(), kept)
 
 
 def test_a_mass_below_nothing_is_refused_in_words(kept):
-    with pytest.raises(UsageProblem, match=r"must be more than 0 kg, not -3 kg"):
-        stored_sessions.describe(kept, mass_kg=-3.0)
+    with pytest.raises(OperatorError, match=r"mass_kg.*greater than 0"):
+        Session.open(kept).update(mass_kg=-3.0)
 
 
 def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
     channel = Channel("displacement", "displacement", "m", low=-0.05, high=0.05)
-    trace = ScopeTrace(CaptureSettings())
-    trace.connected((channel,))
-    trace.state("resting")
+    watched = ScopeObserver(CaptureSettings())
+    watched.connected(None, (channel,))
+    watched.state("resting", "")
     noise = np.random.default_rng(5).normal(scale=2e-6, size=(1, 800))
-    trace.block(0.003 + noise)
-    found = trace.scope()
+    watched.block(0, 0.003 + noise)
+    found = watched.now.scope
     assert found.unit == "mm"
     assert found.zero == pytest.approx(3.0, abs=1e-3)
     assert found.noise == pytest.approx(2e-3, rel=0.1)

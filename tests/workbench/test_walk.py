@@ -13,8 +13,7 @@ import pytest
 
 from station.workbench.guard import LARGEST_BODY
 
-STAIN = """f => { const x = f.cycle.map((y, i) => y === null ? null : (y / f.cycle_std[i]) ** 2).filter(y => y !== null);
-  return x.reduce((a, b) => a + b, 0) / x.length }"""
+STAIN = """f => f.force.map((force, i) => (force / f.force_std[i]) ** 2).reduce((a, b) => a + b, 0) / f.force.length"""
 
 
 def shown(page):
@@ -262,8 +261,24 @@ def test_of_scripts_in_the_page_those_that_the_server_wrote_are_run(bench):
     assert nonce not in ask(bench).headers["Content-Security-Policy"]
 
 
+def test_a_report_that_a_stranger_wrote_runs_no_script(bench):
+    bench.fresh("mystery_7", "foreign")
+    bench.results("foreign").mkdir(exist_ok=True)
+    (bench.results("foreign") / "report.html").write_text("<script>alert(1)</script>")
+    place = urlsplit(bench.address)
+    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=10)
+    connection.request("GET", "/report/foreign", headers={"Cookie": cookie_of(bench)})
+    answer = connection.getresponse()
+    assert answer.read() == b"<script>alert(1)</script>"  # it gets no nonce
+    connection.close()
+    policy = answer.headers["Content-Security-Policy"]
+    assert policy.startswith("sandbox allow-modals; default-src 'none'")
+    assert "script-src" not in policy
+
+
 def test_a_name_that_was_made_to_point_here_is_refused(bench):
-    assert ask(bench, Host="evil.example").status == 403
+    """A browser sends the cookie to the name alone by which it got it."""
+    assert ask(bench, token=False, Host="evil.example").status == 403
     assert ask(bench).status == 200
 
 
@@ -318,9 +333,13 @@ def test_a_request_of_half_a_gigabyte_is_refused_before_it_is_read(bench):
     head = (
         f"POST /_nicegui/client/x/upload/1 HTTP/1.1\r\nHost: {place.netloc}\r\nCookie: {cookie_of(bench)}\r\n"
     )
-    for length in (500_000_000, LARGEST_BODY + 1):
+    for length in (
+        "Content-Length: 500000000",
+        f"Content-Length: {LARGEST_BODY + 1}",
+        "Transfer-Encoding: chunked",
+    ):
         with socket.create_connection((place.hostname, place.port), timeout=10) as line:
-            line.sendall(f"{head}Content-Length: {length}\r\n\r\n".encode())
+            line.sendall(f"{head}{length}\r\n\r\n".encode())
             assert b" 413 " in line.recv(100)
 
 

@@ -2,7 +2,7 @@
 // before, so pointing at a suspect asks nothing of the server.
 (() => {
   const bench = (window.bench = window.bench || {}), SURE = [1.6, 2.6], NONE = [];
-  const S = (bench.state = { stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, best: null, film: null, pointed: null, selected: null, channel: 0 });
+  const S = (bench.state = { stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, best: null, film: null, asked: new URLSearchParams(location.search).get("step"), pointed: null, selected: null, channel: 0 });
   const frameOf = (id) => (id && S.frames[id]) || null, filmAt = () => (S.film === null ? S.present : S.film);
   bench.previewed = () => [S.pointed, S.selected].find((name) => name && frameOf(S.suspects[name])) || null;
   bench.shown = () => frameOf(S.suspects[bench.previewed()]) || frameOf(S.steps[filmAt()]) || frameOf(S.steps[S.present]);
@@ -11,7 +11,7 @@
 
   // What the server sends: only what changed.
   bench.receive = (news) => {
-    if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.pointed = S.selected = null; S.cells = outlines(news.stage); }
+    if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.pointed = S.selected = null; }
     Object.assign(S.frames, news.frames || {});
     const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join()), own = S.says["(own)"];
     for (const key of ["suspects", "says", "names"])
@@ -20,6 +20,8 @@
     if (another) { S.best = S.steps.length ? news.best : null; S.present = news.present; S.film = S.selected = null; }
     if (news.steps) S.steps = news.steps;
     if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
+    // The step of the address, which one looked at before the page was loaded again.
+    if (S.asked !== null && frameOf(S.steps[S.asked])) { S.film = Number(S.asked) === S.present ? null : Number(S.asked); S.asked = null; }
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
     if (S.stage && first()) S.reach = reachOf(first());  // colours are those of the first model, whatever is shown
     bench.draw();
@@ -39,7 +41,7 @@
   const size = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 1e-12);
   // The force at the end of the colours: 98 % of the cells are below it, each counted as sure as it is known.
   function reachOf(frame) {
-    const known = frame.cycle.map((force, i) => [force, frame.cycle_std[i] ** -2]).filter(([force]) => force !== null).map(([force, sure]) => [Math.abs(force), sure]);
+    const known = frame.force.map((force, i) => [Math.abs(force), frame.force_std[i] ** -2]);
     let left = 0.98 * known.reduce((sum, [, sure]) => sum + sure, 0);
     return (known.sort((a, b) => a[0] - b[0]).find(([, sure]) => (left -= sure) <= 0) || [1])[0] || 1e-12;
   }
@@ -47,24 +49,15 @@
     const frame = first(), of = (k) => { const left = frame.left[k].filter((x) => x !== null); return left.reduce((sum, x) => sum + x * x, 0) / (left.length * frame.noise[k] ** 2 || 1); };
     return frame ? S.stage.traces.map((_, k) => k).sort((a, b) => of(b) - of(a))[0] : 0;
   }
-  function outlines(stage) {  // each cell of the map as a polygon in the phase plane
-    const axes = stage.cycle, columns = axes.columns.length - 1, k = stage.velocity_per_amplitude;
-    return axes.cells.map((code) => {
-      const row = Math.floor(code / columns), column = code % columns, points = [], steps = 3;
-      const [a, b, p, q] = [axes.rows[row], axes.rows[row + 1], axes.columns[column], axes.columns[column + 1]];
-      const at = (r, angle) => [r * Math.cos(angle), -r * k * Math.sin(angle)];
-      for (let i = 0; i <= steps; i++) points.push(at(b, p + ((q - p) * i) / steps));
-      for (let i = steps; i >= 0; i--) points.push(at(a, p + ((q - p) * i) / steps));
-      return points;
-    });
-  }
   // A cell's colour: the force, less the sure it is; grey within the noise.
-  const stained = (frame) => frame ? frame.cycle.flatMap((force, i) => {
-    if (force === null) return NONE;
-    const sure = Math.min(1, Math.max(0, (Math.abs(force) / frame.cycle_std[i] - SURE[0]) / (SURE[1] - SURE[0])));
-    return [[S.cells[i][0][0], S.cells[i][0][1], sure * force, i]];
+  const stained = (frame) => frame ? frame.force.map((force, i) => {
+    const sure = Math.min(1, Math.max(0, (Math.abs(force) / frame.force_std[i] - SURE[0]) / (SURE[1] - SURE[0])));
+    return [frame.cells[i][0], frame.cells[i][2], sure * force, i];
   }) : NONE;
-  const cell = (_, api) => ({ type: "polygon", shape: { points: S.cells[api.value(3)].map((p) => api.coord(p)) }, style: { fill: api.visual("color"), stroke: api.visual("color"), lineWidth: 0.6 } });
+  const cellOf = (frame) => (_, api) => {
+    const [left, right, low, high] = frame.cells[api.value(3)], [x, y] = api.coord([left, high]), [end, bottom] = api.coord([right, low]);
+    return { type: "rect", shape: { x, y, width: end - x, height: bottom - y }, style: { fill: api.visual("color"), stroke: api.visual("color"), lineWidth: 0.6 } };
+  };
 
   const axis = (name, grid, { axisLabel, ...more }) => ({ gridIndex: grid, name, nameLocation: "middle", nameGap: 22, nameTextStyle: { color: bench.css("ink"), fontSize: 11 }, axisLine: { show: true, onZero: false, lineStyle: { color: bench.css("faint") } },
     axisLabel: { color: bench.css("faint"), fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false, ...axisLabel }, splitLine: { lineStyle: { color: bench.css("grid") } }, splitNumber: 4, ...more });
@@ -73,7 +66,7 @@
   bench.axis = axis;
 
   function map(chart, frame, stage) {
-    const before = bench.before(), largest = 1.04 * stage.cycle.rows[stage.cycle.rows.length - 1], up = largest * stage.velocity_per_amplitude, u = stage.units;
+    const before = bench.before(), largest = 1.04 * stage.largest.u, up = 1.04 * stage.largest.v, u = stage.units;
     const maps = before ? [before, frame] : [frame], width = before ? 37 : 82, said = saidOf();
     const words = before ? [`before: ${said.before}`, said.now] : [said.now], places = maps.map((_, k) => 7 + k * 45);
     chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() }, title: words.map((text, k) => title(text, `${places[k]}%`, 0, before ? 0.43 * chart.getWidth() : undefined)),
@@ -82,7 +75,7 @@
       yAxis: maps.map((_, k) => axis(k ? "" : `velocity [${u.v}]`, k, { type: "value", min: -up, max: up, nameGap: 34, axisLabel: { show: !k } })),
       visualMap: { type: "continuous", dimension: 2, min: -S.reach, max: S.reach, right: 0, top: "middle", itemHeight: 90, itemWidth: 10, precision: 2, padding: 0, inRange: { color: ["map-low", "map-middle", "map-high"].map(bench.css) },
         text: ["+", "\u2212"].map((sign) => `${sign}${Number(S.reach.toPrecision(2))} ${u.f}`), textStyle: { color: bench.css("ink"), fontSize: 11 }, hoverLink: false },
-      series: maps.map((one, k) => ({ type: "custom", id: k === maps.length - 1 ? "after" : "before", xAxisIndex: k, yAxisIndex: k, silent: true, clip: true, encode: { x: 0, y: 1 }, renderItem: cell, data: stained(one) })),
+      series: maps.map((one, k) => ({ type: "custom", id: k === maps.length - 1 ? "after" : "before", xAxisIndex: k, yAxisIndex: k, silent: true, clip: true, encode: { x: 0, y: 1 }, renderItem: cellOf(one), data: stained(one) })),
     }, { replaceMerge: ["series", "grid", "xAxis", "yAxis", "title"] });
   }
 
