@@ -160,16 +160,19 @@ class Baseline:
     def stated(self, found: Fit) -> Fit:
         """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit.
 
-        They allow for a random walk of spring and damper, where there is one beside a fit near the noise or a sure floor.
+        They allow for a random walk of spring and damper that brings the fit to the floor, or remains beside it there.
         """
         adequate = self.adequate(found)
         stated = found if adequate else with_misfit_errors(found)
-        if not adequate and not self.floor_is_sure:
-            return stated
         walk = self.walk
         if found is not self.fit and walk.evidence > RIVALS_WITHIN:  # else there is none beside one law more
             walk = walk_beside(found)
-        return with_walk_errors(stated, walk)
+        reached = adequate or (self.floor_is_sure and self.reached_with(walk.simulated))
+        return with_walk_errors(stated, walk) if reached else stated
+
+    def reached_with(self, walk: RandomWalk) -> bool:
+        """Check that a fit reaches the floor together with the walk beside it."""
+        return walk.settled and self._reaches(walk.reduced)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square that includes the faults which are corrected but not named in the model."""

@@ -160,7 +160,7 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     motion for a while.
     """
     alone = baseline.walk.simulated
-    if _is_enough(baseline, alone):
+    if baseline.reached_with(alone):
         return None
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     near = [one for one in ranked if one.plausible and not one.term.effect.line][:_NEAR]
@@ -173,7 +173,7 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     walks = {one: linear[one].simulated for one in leaders}
     together = {one: gain[one] + walk.evidence for one, walk in walks.items()}
     best = max(together, key=lambda one: together[one], default=None)
-    if best is None or not _is_enough(baseline, walks[best]):
+    if best is None or not baseline.reached_with(walks[best]):
         return None
     widened = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
     found = decide(
@@ -196,13 +196,8 @@ def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
     if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
         return judged
     alone = baseline.walk.simulated
-    enough = alone.evidence > RIVALS_WITHIN and _is_enough(baseline, alone)
+    enough = alone.evidence > RIVALS_WITHIN and baseline.reached_with(alone)
     return replace(judged, walk=alone) if enough else judged
-
-
-def _is_enough(baseline: Baseline, walk: RandomWalk) -> bool:
-    """Check that a fit reaches the floor together with a walk."""
-    return walk.settled and walk.reduced <= baseline.highest
 
 
 def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str:

@@ -13,7 +13,8 @@ from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY, find_effect
+from identify.effects.force_effect import ForceEffect
+from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.current_model import current_model
@@ -195,5 +196,6 @@ def warm_up(*_: object) -> None:
     """Fit, extend and compare a recording that comes with the station; a worker's task like the others."""
     recording = look_at(examples_folder() / EXAMPLES[0].file).read().recordings[0]
     prepared = prepare_recording(recording, Options())
-    step = add_effect(first_step((prepared,)), find_effect("stribeck_friction"))
+    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
+    step = add_effect(first_step((prepared,)), friction)
     compare_fitted(step.baseline)
