@@ -12,7 +12,7 @@ from pathlib import Path
 from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
 from daq.capture_stream import CaptureStream
-from daq.decode import Assembly, Block
+from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, OperatorError, StationError
 from daq.failover import FallbackFolder, SessionWriter
@@ -227,7 +227,7 @@ class _Capture:
         unanswered, checkable, in_vain = 0, True, 0
         while in_vain < RESEND_ROUNDS:
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
-            holes = [*lost, *(_beside(assembly) if checkable else [])]
+            holes = [*lost, *(lost_outside(assembly) if checkable else [])]
             if not holes:
                 return
             self._stream.state("resending", f"asking again for {sum(n for _, n in holes)} samples")
@@ -280,11 +280,6 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
-
-
-def _beside(assembly: Assembly) -> list[tuple[int, int]]:
-    """List the samples that the checksum needs beside the recording."""
-    return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
 
 
 def _no_release(waited: str, by_rig: bool) -> OperatorError:

@@ -14,12 +14,10 @@ import numpy as np
 
 from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
-from daq.integrity import Integrity, integrity
-from daq.losses import Losses
 from daq.plain_text import in_one_line
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.sample_store import Piece, SampleStore
+from daq.sample_store import Losses, Piece, SampleStore
 from firmware_protocol import (
     Clock,
     Data,
@@ -71,7 +69,7 @@ class Assembly:
         self.events: list[Event] = []
         self.contradictions: list[str] = []
         self.samples = SampleStore()
-        self._losses = Losses()
+        self.losses = Losses()
         self.jumped = 0  # samples that were missing when a later one came
         self._sequence, self._started = -1, False
 
@@ -99,7 +97,7 @@ class Assembly:
         elif note.get("event") == "start":
             self._forget_samples()
         elif note.get("event") == "imported":
-            self._losses.noted = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
+            self.losses.noted = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
             self.notes += [item for item in items_of(note, "notes") if isinstance(item, str)]
 
     @property
@@ -176,16 +174,12 @@ class Assembly:
             notes=(*self.notes, *self.contradictions),
         )
 
-    def integrity(self) -> Integrity:
-        """Check whether the samples are those of which END tells the number and the checksum."""
-        return integrity(self.samples, self._losses, self.end, self.start, self.most_missing)
-
     def _forget_samples(self) -> None:
         """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
         self.samples = SampleStore()
         self.jumped, self._sequence, self._started = 0, -1, True
-        for items in (self._losses, self.events, self.contradictions):
+        for items in (self.losses, self.events, self.contradictions):
             items.clear()
 
     def _take_hello(self, hello: Hello) -> tuple[Gap, ...]:
@@ -230,7 +224,7 @@ class Assembly:
         if len(self.events) < MAX_LISTED:
             self.events.append(event)
         if event.kind == EventKind.OVERRUN:
-            self._losses.overrun(event.index, event.index + event.count)
+            self.losses.overrun(event.index, event.index + event.count)
         if event.kind == EventKind.OTHER and event.text:
             _list(self.notes, f"the board reports: {event.text}")
 
@@ -250,12 +244,12 @@ class Assembly:
             self._take_late(sequence, Piece(data, time))
             return ()
         if data.dropped_before and not again:
-            self._losses.overrun(data.first_index - data.dropped_before, data.first_index)
-            self._losses.dropped += data.dropped_before
+            self.losses.overrun(data.first_index - data.dropped_before, data.first_index)
+            self.losses.dropped += data.dropped_before
         lost: tuple[Gap, ...] = ()
         if not again:
             self.jumped += data.first_index - self.expected
-            lost = self._losses.before(data.first_index, self.expected, data.dropped_before)
+            lost = self.losses.before(data.first_index, self.expected, data.dropped_before)
         self._sequence = sequence
         new = self.samples.add(Piece(data, float("nan") if again else time))
         assert self.description is not None
@@ -270,7 +264,7 @@ class Assembly:
 
     def _gaps(self, valid: Mask, first: int) -> tuple[Gap, ...]:
         arrived = self.samples.mask(first, first + len(valid))
-        return self._losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
+        return self.losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
 
 
 _TAKERS: dict[type, Callable[[Assembly, Any], tuple[Gap, ...] | None]] = {

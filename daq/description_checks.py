@@ -12,12 +12,6 @@ from firmware_protocol import ChannelDescription, Describe, SampleFormat
 MAX_RATE = 1e7
 MAX_ITEMS = 20_000
 SHARED = ("quantity", "unit", "resolution", "low", "high", "group_delay_s", "sensor")
-UNITS = {
-    "displacement": ("m", "rad"),
-    "velocity": ("m/s", "rad/s"),
-    "acceleration": ("m/s^2", "rad/s^2"),
-    "force": ("N", "N m"),
-}
 
 
 @dataclass(frozen=True)
@@ -55,18 +49,6 @@ def _shared(channel: Channel | ChannelDescription) -> dict[str, Any]:
 def _fitting(text: str) -> str:
     """Cut a text to what the wire carries, between two characters."""
     return text.encode()[:255].decode(errors="ignore")
-
-
-def foreign_unit(channels: Sequence[Channel]) -> str:
-    """Warn, in words, of units that the protocol does not list; empty when it lists all."""
-    for channel in channels:
-        units = UNITS.get(channel.quantity)
-        if units and channel.unit not in units:
-            return (
-                f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
-                f" {' or '.join(units)}; its numbers were taken as they are"
-            )
-    return ""
 
 
 def problem_of(description: Describe) -> str | None:

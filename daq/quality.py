@@ -13,13 +13,19 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.description_checks import foreign_unit
-from daq.integrity import Outcome
+from daq.integrity import integrity
 from daq.recording import Array, Channel, Gap, Recording
 from daq.sensor_faults import SensorFaults, sensor_faults
 from daq.wiring_check import Suspicion, suspicions
 from firmware_protocol import EventKind
 
+UNITS = {
+    "displacement": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s^2", "rad/s^2"),
+    "force": ("N", "N m"),
+}
+"""Units that the protocol lists for each quantity."""
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 MOTION_TO_NOISE = 20.0
@@ -76,7 +82,8 @@ def judge(
     if assembly is not None:
         found += _board_reports(assembly)
         if assembly.origin != IMPORT:
-            found += _integrity(assembly, remarks)
+            found += _units(recording)
+            found += integrity(assembly, remarks)
             found += checked_rate(assembly, check_clock).suspicions
     found.sort(key=lambda suspicion: not suspicion.certain)
     grade = (Grade.REJECT if found[0].certain else Grade.USABLE) if found else Grade.OK
@@ -91,7 +98,6 @@ def summary(gaps: Iterable[Gap]) -> str:
         "wire": "on the wire",
         "overrun": "by overrun of the board",
         "reboot": "by a reboot of the board",
-        "checksum": "to a wrong checksum",
     }
     counts: Counter[str] = Counter()
     for gap in gaps:
@@ -155,6 +161,16 @@ def _kinematics(recording: Recording) -> tuple[Suspicion, ...]:
     return suspicions(displacement[good], acceleration[good], recording.rate)
 
 
+def _units(recording: Recording) -> Iterator[Suspicion]:
+    for channel in recording.channels:
+        units = UNITS.get(channel.quantity)
+        if units and channel.unit not in units:
+            text = f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
+            text += f" {' or '.join(units)}; its numbers were taken as they are"
+            yield Suspicion(False, text, "put the factor to SI units into `scale` of the firmware")
+            return
+
+
 def _board_reports(assembly: Assembly) -> Iterator[Suspicion]:
     for contradiction in assembly.contradictions[:3]:
         yield Suspicion(True, f"the board contradicts itself: {contradiction}", "correct the firmware")
@@ -165,24 +181,3 @@ def _board_reports(assembly: Assembly) -> Iterator[Suspicion]:
         )
     if assembly.rebooted:
         yield Suspicion(True, "the board rebooted in mid-capture", "check its supply")
-
-
-def _integrity(assembly: Assembly, remarks: list[str]) -> Iterator[Suspicion]:
-    """Hold the samples against DESCRIBE and END; where copies of samples differ, the checksum decides which was right."""
-    if unit := foreign_unit(assembly.channels):
-        yield Suspicion(False, unit, "put the factor to SI units into `scale` of the firmware")
-    found = assembly.integrity()
-    agrees = found.checksum is Outcome.AGREES
-    if found.problem:
-        yield Suspicion(True, f"the board contradicts itself: {found.problem}", "correct the firmware")
-    if differing := assembly.samples.differing:
-        count, first = sum(n for _, n in differing), differing[0][0]
-        text = f"the board sent {count} samples twice with other values, from sample {first} on; the first were kept"
-        text += ", and its checksum agrees with them" if agrees else ""
-        yield Suspicion(not agrees, text, "correct the firmware")
-    if agrees:
-        remarks.append("the board's checksum of all its samples agrees")
-    elif found.checksum is Outcome.DIFFERS:
-        yield Suspicion(True, "the board's checksum of all samples does not agree", "take it again")
-    else:
-        yield Suspicion(False, f"the board's checksum could not be checked: {found.why}")
