@@ -9,16 +9,14 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
-from daq.capture_stream import CaptureStream
+from daq.capture_stream import CaptureObserver, CaptureStream
 from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, OperatorError, StationError
 from daq.failover import FallbackFolder, SessionWriter
 from daq.integrity import lost_outside
 from daq.link import Link
-from daq.observer import CaptureObserver
 from daq.port import Port, open_port
 from daq.quality import summary
 from daq.raw_log import Kind, RawLog
@@ -32,6 +30,7 @@ from daq.trigger import Trigger
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
+RESEND_FOR_S = 30.0
 MICROMETRES = 1e-4
 """Noise of a length (m) below which it is written in um."""
 
@@ -65,8 +64,8 @@ def capture(
             rig.require(settings.release_from)
         link.configure(settings.rate_hz)
         run = _Capture(link, settings, observer or CaptureObserver(), rig)
-        link.allow(run.budget.require())
-        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.budget.disk)
+        link.allow(settings.log_bytes(*run.load))
+        writer = SessionWriter.begin(folder, run.describe(), log, fallback, settings.disk_bytes(*run.load))
         try:
             run.record()
         except BaseException as error:
@@ -100,11 +99,11 @@ class _Capture:
         return round(settings.pre_trigger_s * self._rate) + round(settings.duration_s * self._rate)
 
     @property
-    def budget(self) -> Budget:
-        """How many bytes the capture may take."""
+    def load(self) -> tuple[float, int]:
+        """Samples per second, and the bytes of each, all channels together."""
         description = self._link.assembly.description
         assert description is not None
-        return Budget(self._settings, self._rate, len(self._channels) * description.format.size)
+        return self._rate, len(self._channels) * description.format.size
 
     def describe(self) -> SessionInfo:
         """Say to the observer who answered and return the session's metadata."""

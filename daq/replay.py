@@ -2,10 +2,10 @@
 
 import time
 
+from daq.capture_stream import CaptureObserver
 from daq.decode import Assembly, Block, play
 from daq.errors import OperatorError
 from daq.import_log import FIRMWARE
-from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
 from daq.recording import Recording
 from daq.session import Session

@@ -1,4 +1,4 @@
-"""The samples of a recording as they arrived: the first copy of each, their times, their checksum; what is missing and why."""
+"""The samples of a recording as they arrived: first copies, their times and checksum; what is missing, and why."""
 
 from bisect import bisect_right
 from dataclasses import dataclass, replace

@@ -13,11 +13,10 @@ from tempfile import TemporaryFile
 
 import numpy as np
 
-from daq import port_facts
-from daq.board_sample import BoardSample, sample_board
+from daq import ports
 from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.errors import StationError
-from daq.ports import list_ports
+from daq.ports import BoardSample, list_ports, sample_board
 from daq.recording import Recording
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
@@ -90,7 +89,7 @@ def _disk(sessions: Path) -> Iterator[Finding]:
 
 def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
     """Check a port from outside (there, permitted, free, quick), then what its board sends."""
-    facts = port_facts.port_facts(name)
+    facts = ports.port_facts(name)
     if not facts.exists:
         yield Finding(Grade.FAIL, "port", f"{name} is not there", "plug the board in; see `station ports`")
         return

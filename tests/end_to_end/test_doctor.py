@@ -11,7 +11,7 @@ from unittest import mock
 import pytest
 from fault_bench import board
 
-from daq.port_facts import PortFacts, port_facts
+from daq.ports import PortFacts, port_facts
 from station import cli
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
@@ -70,7 +70,7 @@ def test_a_busy_port_is_reported_with_the_program_that_has_it() -> None:
 def test_a_port_without_permission_fails() -> None:
     with (
         board("pty", "--seed", "5") as port,
-        mock.patch("daq.port_facts.port_facts", return_value=PortFacts(True, False, (), None)),
+        mock.patch("daq.ports.port_facts", return_value=PortFacts(True, False, (), None)),
     ):
         code, found, _ = doctor("--port", port)
     assert (code, found["permission"][0]) == (3, "FAIL")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from daq.errors import OperatorError
-from daq.exporting import FORMATS, Exported, encode, form_of, formats as formats_module
+from daq.exporting import FORMATS, Exported, encode, exported as exported_module, form_of
 from daq.importing import ImportOptions, read_file
 from daq.recording import Channel, Recording
 
@@ -155,7 +155,7 @@ def test_a_library_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -
     def missing(name: str) -> None:
         raise ModuleNotFoundError("No module named 'h5py'", name="h5py")
 
-    monkeypatch.setattr(formats_module.importlib, "import_module", missing)
+    monkeypatch.setattr(exported_module.importlib, "import_module", missing)
     with pytest.raises(
         OperatorError, match=r"needs the package h5py.*pip install 'free-decay-station\[export\]'"
     ):
