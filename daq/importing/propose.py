@@ -12,7 +12,6 @@ from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
 from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.column_numbers import is_difference, is_measurable, is_offset
-from daq.importing.columns import meaning
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
@@ -227,7 +226,7 @@ def _units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
     """
     swings: dict[str, float] = {}
     for column in (c for table in tables for c in table.columns if c.bad is None):
-        said = meaning(column.label, column.unit)
+        said = column.said
         if said.quantity == "displacement" and said.angular and said.unit is None:
             swings[column.label] = max(swings.get(column.label, 0.0), _swing(column))
     return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.importing.columns import meaning, split_unit, words
+from daq.importing.columns import split_unit, words
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
 
@@ -136,7 +136,7 @@ def _accepted(
 
 
 def _is_time(column: SourceColumn) -> bool:
-    return column.clock or (column.quantity or meaning(column.label, column.unit).quantity) == "time"
+    return column.clock or column.said.quantity == "time"
 
 
 def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> NDArray[np.int64]:
