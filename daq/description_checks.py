@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from daq.plain_text import distinct
-from daq.recording import Channel, Gap
-from firmware_protocol import ChannelDescription, Describe, SampleFormat
+from daq.recording import Array, Channel, Gap
+from firmware_protocol import ChannelDescription, Data, Describe, SampleFormat
 
 MAX_RATE = 1e7
 MAX_ITEMS = 20_000
@@ -38,6 +40,12 @@ def description_of(channels: Sequence[Channel], rate: float) -> Describe:
         for c in channels
     )
     return Describe(SampleFormat.F64, tuple(described))
+
+
+def data_of(first: int, time_us: float, samples: Array, dropped: int = 0) -> Data:
+    """Return samples in SI units, shape (n, channels), as DATA of such a description; `first` was taken at `time_us`."""
+    content = np.ascontiguousarray(samples, dtype="<f8").tobytes()
+    return Data(first, round(time_us), dropped, len(samples), samples.shape[1], SampleFormat.F64, content)
 
 
 def _shared(channel: Channel | ChannelDescription) -> dict[str, Any]:

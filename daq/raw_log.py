@@ -10,7 +10,6 @@ import json
 import os
 import threading
 import time
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
@@ -93,39 +92,24 @@ def unpack(data: bytes) -> RawRecords:
     if not data.startswith(MAGIC):
         raise SessionDamaged("the raw log does not begin as one; it was overwritten or is another file")
     records: list[Record] = []
-    damaged = 0
-    for item in _pieces(data):
-        if isinstance(item, Record):
-            records.append(item)
-        elif item < 0:
-            return RawRecords(tuple(records), damaged, -item)
-        else:
-            damaged += 1
-    return RawRecords(tuple(records), damaged, 0)
-
-
-def _pieces(data: bytes) -> Iterator[Record | int]:
-    """Yield records, 1 for each damaged piece and minus the bytes left when the last record is cut."""
-    at, end = len(MAGIC), len(data)
-    while at < end:
-        if at + HEAD_SIZE > end:
-            yield at - end
-            return
+    damaged, at, end = 0, len(MAGIC), len(data)
+    while at + HEAD_SIZE <= end:
         marker, kind, length, when, check = _HEAD.unpack_from(data, at)
         (head_check,) = _CHECK.unpack_from(data, at + _HEAD.size)
         if marker != MARKER or head_check != crc32(data[at : at + _HEAD.size]):
-            yield 1
+            damaged += 1
             at = _next_head(data, at + 1)
             continue
-        start, at = at + HEAD_SIZE, at + HEAD_SIZE + length
-        if at > end:
-            yield start - HEAD_SIZE - end
-            return
+        start = at + HEAD_SIZE
+        if start + length > end:
+            break
+        at = start + length
         payload = data[start:at]
         if crc32(payload) == check and kind in _KINDS:
-            yield Record(Kind(kind), when, payload)
+            records.append(Record(Kind(kind), when, payload))
         else:
-            yield 1
+            damaged += 1
+    return RawRecords(tuple(records), damaged, end - at)
 
 
 def _next_head(data: bytes, at: int) -> int:
