@@ -151,14 +151,13 @@ def _start(recording: Recording) -> Iterator[Suspicion]:
         yield Suspicion(False, f"only {trigger / recording.rate:.2f} s were recorded before the release")
 
 
-def _kinematics(recording: Recording) -> tuple[Suspicion, ...]:
+def _kinematics(recording: Recording) -> Iterator[Suspicion]:
     """Hold the two channels of a free oscillation against each other."""
     displacement, acceleration = recording.channel("displacement"), recording.channel("acceleration")
-    if displacement is None or acceleration is None:
-        return ()
-    good = np.flatnonzero(recording.valid)
-    good = good[good >= (recording.trigger or 0)]
-    return suspicions(displacement[good], acceleration[good], recording.rate)
+    if displacement is not None and acceleration is not None:
+        good = np.flatnonzero(recording.valid)
+        good = good[good >= (recording.trigger or 0)]
+        yield from suspicions(displacement[good], acceleration[good], recording.rate)
 
 
 def _units(recording: Recording) -> Iterator[Suspicion]:
