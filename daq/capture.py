@@ -15,10 +15,9 @@ from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, OperatorError, StationError
 from daq.failover import FallbackFolder, SessionWriter
-from daq.integrity import lost_outside
 from daq.link import Link
 from daq.port import Port, open_port
-from daq.quality import summary
+from daq.quality import lost_outside, summary
 from daq.raw_log import Kind, RawLog
 from daq.rest_detection import RestPeriod
 from daq.rig import Rig

@@ -12,7 +12,7 @@ from daq.recording import Recording, runs
 from firmware_protocol import End, Hello, Message, encode
 
 ROOM_FOR_SAMPLES = 980
-CHUNK = 1 << 16
+TOGETHER = 64  # frames in a record
 
 
 def import_log(recording: Recording) -> RawLog:
@@ -32,7 +32,10 @@ def import_log(recording: Recording) -> RawLog:
         notes=list(recording.notes),
     )
     log.note(event="window", first=0, count=len(recording.valid), trigger=recording.trigger)
-    _append(log, recording)
+    messages = _messages(recording)
+    for at in range(0, len(messages), TOGETHER):
+        frames = (encode(one, sequence) for sequence, one in enumerate(messages[at : at + TOGETHER], at + 2))
+        log.append(Kind.RECEIVED, b"".join(frames))
     return log
 
 
@@ -43,16 +46,6 @@ def _introduction(recording: Recording) -> bytes:
     except ValueError as error:
         n = len(recording.channels)
         raise OperatorError(f"{n} channels cannot be stored together: {error}") from error
-
-
-def _append(log: RawLog, recording: Recording) -> None:
-    pending = b""
-    for sequence, message in enumerate(_messages(recording), start=2):
-        pending += encode(message, sequence)
-        if len(pending) > CHUNK:
-            log.append(Kind.RECEIVED, pending)
-            pending = b""
-    log.append(Kind.RECEIVED, pending)
 
 
 def _messages(recording: Recording) -> list[Message]:

@@ -13,9 +13,8 @@ QUIET_SAMPLES = 8
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """Level and noise (standard deviation) of each channel at rest, shape (channels,), channel's unit."""
+    """The noise (standard deviation) of each channel at rest, shape (channels,), channel's unit."""
 
-    level: Array
     noise: Array
     samples: int
 
@@ -69,7 +68,7 @@ class RestPeriod:
             return
         if not self._still(self._samples):
             self._samples = self._samples[:, -self._quiet :]
-        self.rest = Rest(np.median(self._samples, axis=1), self._samples.std(axis=1), self._samples.shape[1])
+        self.rest = Rest(self._samples.std(axis=1), self._samples.shape[1])
 
     def _still(self, samples: Array) -> bool:
         pairs = zip(self._channels, samples, strict=True)

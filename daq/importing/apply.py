@@ -8,8 +8,7 @@ from typing import Final
 import numpy as np
 
 from daq.importing.bob import angle_of
-from daq.importing.errors import ImportProblem, problem
-from daq.importing.limits import require_few
+from daq.importing.errors import ImportProblem, problem, require_few
 from daq.importing.no_clock import NoClock
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of

@@ -12,10 +12,8 @@ from daq.importing import serial_text
 from daq.importing.column_numbers import counts_rows
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
-from daq.importing.errors import problem
-from daq.importing.limits import require_lines, require_table
-from daq.importing.numbers import Parsed, parse_column, parse_number
-from daq.importing.rates import rate_in
+from daq.importing.errors import problem, require_lines, require_table
+from daq.importing.numbers import Parsed, parse_column, parse_number, rate_in
 from daq.importing.recipe import Dialect as WantedDialect, Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_unit

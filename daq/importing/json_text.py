@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from daq.importing.errors import problem
-from daq.importing.limits import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, require_size, require_table
-from daq.importing.numbers import parse_clock, parse_number
-from daq.importing.rates import rate_of
+from daq.importing.errors import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, problem, require_size, require_table
+from daq.importing.numbers import parse_clock, parse_number, rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.importing.columns import Meaning, meaning
-from daq.importing.errors import problem
-from daq.importing.limits import LONGEST_NAME
+from daq.importing.errors import LONGEST_NAME, problem
 from daq.importing.recipe import Dialect, Format, Recipe
 from daq.recording import Array
 

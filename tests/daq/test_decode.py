@@ -5,7 +5,7 @@ from scripted_board import RATE, decay, describe
 
 from daq.decode import Assembly, Block
 from daq.errors import DataLost
-from daq.integrity import integrity
+from daq.quality import integrity
 from daq.recording import Gap
 from firmware_protocol import (
     ChannelDescription,
