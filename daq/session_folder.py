@@ -15,6 +15,8 @@ from daq.manifest import (
     Counts,
     FileEntry,
     Manifest,
+    commit,
+    complete,
     entry,
     is_plain_name,
     known_manifest,
@@ -25,7 +27,6 @@ from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
 from daq.sensor_faults import sensor_faults
-from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
 from daq.storage import (
@@ -56,7 +57,6 @@ class Session(SessionReader):
         super().__init__(folder, info)
         self.completed = completed
         self._lock = lock
-        self._is_new = False
 
     @classmethod
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
@@ -68,7 +68,7 @@ class Session(SessionReader):
         name = stored_name(info.name or folder.name)
         lock = Lock(folder)
         session = cls(folder, info.model_copy(update={"name": name}), lock)
-        session._is_new = make_folder(folder)
+        make_folder(folder)
         try:
             lock.acquire()
             require_empty(folder)  # another process may have made a session here in between
@@ -216,11 +216,10 @@ class Session(SessionReader):
         self._give_back()
 
     def _give_back(self) -> None:
-        """Give the lock back and remove a new folder in which nothing is."""
+        """Give the lock back and remove the folder, in which nothing is."""
         self.release()
-        if self._is_new:
-            with suppress(OSError):
-                self.folder.rmdir()
+        with suppress(OSError):
+            self.folder.rmdir()
 
     def _entries(self, known: dict[str, FileEntry]) -> dict[str, FileEntry]:
         """Checksums of all files; the raw log's and the source's, once known, are never made again."""

@@ -18,7 +18,7 @@ from daq.importing.recipe import Column, Recipe, Role
 from daq.importing.runs import find_runs
 from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import guess_time_unit
-from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit, parse_unit
+from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
 
 DERIVATIVES = (
@@ -156,12 +156,10 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     assumed = options.units.get("displacement", turns.get(label, "rad"))
     angular = assumed if _is_angle(choices, options) else ""
     units = {q: _unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
-    choices = _of_one_kind(choices, {q: unit for q, (unit, _) in units.items()}, notes, doubts)
+    choices = _of_one_kind(choices, units, notes, doubts)
     if options.rate is not None and (time := choices.pop("time", None)) is not None and time.asked:
         raise problem(table.path, "a time column and a rate were both given", "give one of them")
-    fields: dict[str, tuple[Column, ...]] = {
-        q: _fields(choices[q], units[q][1]) for q in ORDER if q in choices
-    }
+    fields: dict[str, tuple[Column, ...]] = {q: _fields(choices[q], units[q]) for q in ORDER if q in choices}
     if "time" in choices:
         fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
     pull = choices.get("acceleration")
@@ -178,7 +176,7 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
 
 def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
     if "time" in options.units or time.said.unit is not None:
-        return _unit_of(table, time, options, "", notes)[1]
+        return _unit_of(table, time, options, "", notes)
     unit, why = guess_time_unit(time.column)
     clock = "; times of day"
     assumed = f"; it names no unit: {why} (change it with --unit time=...)"
@@ -247,10 +245,8 @@ def _is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
     return any(unit.angular for unit in known) if known else any(c.said.angular for c in choices.values())
 
 
-def _unit_of(
-    table: Table, choice: Choice, options: ImportOptions, turns: str, notes: list[str]
-) -> tuple[Unit, str]:
-    """Return the unit of a channel and its text: from the options, the header, or SI by default, and note which.
+def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, notes: list[str]) -> str:
+    """Return the unit of a channel as it is spelled: from the options, the header, or SI by default, and note which.
 
     `turns` is the unit of angles that name none, "" where the channels are none.
     """
@@ -268,11 +264,11 @@ def _unit_of(
             f"{place} read as {quantity} in {text}, as asked"
             + (f", though its header says {written}" if other else "")
         )
-        return unit, text
+        return text
     asked = ", chosen by the options" if choice.asked else ""
     if choice.said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
-        return choice.said.unit, choice.said.unit_text
+        return choice.said.unit_text
     spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
     if turns == "counts" and quantity == "displacement":
         spelled = "counts"
@@ -281,13 +277,14 @@ def _unit_of(
     notes.append(
         f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed (change it with --unit {quantity}=...)"
     )
-    return parse_unit(spelled) or SI_LINEAR[quantity], spelled
+    return spelled
 
 
 def _of_one_kind(
-    choices: Mapping[str, Choice], units: Mapping[str, Unit], notes: list[str], doubts: list[str]
+    choices: Mapping[str, Choice], spelled: Mapping[str, str], notes: list[str], doubts: list[str]
 ) -> dict[str, Choice]:
     """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
+    units = {q: parse_scaled_unit(text) or SI_LINEAR[q] for q, text in spelled.items()}
     kinds = [q for q in QUANTITIES[1:] if q in choices and units[q].quantity is not None]
     lead = next((q for q in kinds if choices[q].asked), kinds[0] if kinds else "")
     left = [q for q in kinds if units[q].angular != units[lead].angular]
