@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -136,16 +135,13 @@ class LineSource:
                 runs[-1].append(row)
             else:
                 runs.append([row])
-        readings = [self._reading(run) for run in runs]
-        return [replace(readings[0], raw=data), *readings[1:]] if readings else [self._nothing_new(data)]
+        raw = Reading(0, np.empty((0, len(self.form.channels))), raw=data)
+        return [raw, *(self._reading(run) for run in runs)]
 
     def _reading(self, run: list[tuple[int, float, list[float]]]) -> Reading:
         samples = np.array([values for _, _, values in run], dtype=np.float64)
         stamps = np.array([stamp for _, stamp, _ in run]) * 1e6
         return Reading(run[0][0], samples, stamps if self.form.clock.kind == "stamps" else None)
-
-    def _nothing_new(self, data: bytes) -> Reading:
-        return Reading(0, np.empty((0, len(self.form.channels))), raw=data)
 
     def close(self) -> None:
         """Give the port back."""
@@ -155,18 +151,17 @@ class LineSource:
         self._counted = CountedIndex()
         wrap = self.form.clock.scale * 2.0**COUNTER_BITS
         self._stamped = StampedIndex(self._rate, wrap)
-        self._next = 0
+        self._lines = 0
         self._last = {}
 
     def _placed(self, line: dict[str, float]) -> tuple[int, float]:
         clock = self.form.clock
-        if clock.column is not None and clock.kind == "stamps":
-            return self._stamped.next(clock.scale * line[clock.column])
-        if clock.column is not None:
-            index = self._counted.next(line[clock.column])
-            return index, index / self._rate
-        self._next += 1
-        return self._next - 1, (self._next - 1) / self._rate
+        self._lines += 1
+        number = self._lines if clock.column is None else line[clock.column]
+        if clock.kind == "stamps":
+            return self._stamped.next(clock.scale * number)
+        index = self._counted.next(number)
+        return index, index / self._rate
 
     def _understood(self, text: str) -> dict[str, float] | None:
         """Return the numbers of a line by column; None for one that lacks a column, of which only so many may come."""
