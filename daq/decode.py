@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
+from daq.description_checks import IMPORTED, WINDOW, Window, channels_of, noted, problem_of
 from daq.errors import DataLost
 from daq.plain_text import in_one_line
 from daq.raw_log import Kind, Record
@@ -92,12 +92,12 @@ class Assembly:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
         self.origin = ORIGINS.get(str(note.get("event")), self.origin)
         if note.get("event") == "window":
-            self.window = window_of(note) or self.window
+            self.window = noted(WINDOW, note) or self.window
         elif note.get("event") == "start":
             self._forget_samples()
-        elif note.get("event") == "imported":
-            self.losses.noted = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
-            self.notes += [item for item in items_of(note, "notes") if isinstance(item, str)]
+        elif note.get("event") == "imported" and (found := noted(IMPORTED, note)) is not None:
+            self.losses.noted = [Gap(*gap) for gap in found.gaps]
+            self.notes += found.notes
 
     @property
     def expected(self) -> int:

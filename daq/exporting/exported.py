@@ -1,29 +1,13 @@
-"""The contents of an exported file (the samples on one clock, their names and units, their source), and its formats."""
+"""The contents of an exported file: the samples on one clock, their names and units, and their source."""
 
-import importlib
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
-from daq.errors import OperatorError
 from daq.plain_text import distinct
 from daq.recording import Array, Channel, Recording
-
-FORMATS = {
-    "csv": (".csv", "daq.exporting.csv_table"),
-    "mat": (".mat", "daq.exporting.matlab"),
-    "uff": (".uff", "daq.exporting.universal_file"),
-    "hdf5": (".h5", "daq.exporting.hdf5"),
-    "parquet": (".parquet", "daq.exporting.parquet"),
-    "mcap": (".mcap", "daq.exporting.mcap_log"),
-}
-"""Ending and module of each format."""
-
-MORE_ENDINGS = {".hdf5": "hdf5", ".unv": "uff", ".txt": "csv"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,23 +70,3 @@ def _number(value: float | None) -> str:
 def _identifier(text: str) -> str:
     plain = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")[:24].lower()
     return plain if plain[:1].isalpha() else f"channel_{plain}".rstrip("_")
-
-
-def form_of(file: Path) -> str | None:
-    """Return the format that the ending of a file's name stands for; None where it stands for none."""
-    ending = file.suffix.lower()
-    by_ending = {its: name for name, (its, _) in FORMATS.items()} | MORE_ENDINGS
-    return by_ending.get(ending)
-
-
-def encode(exported: Exported, form: str) -> bytes:
-    """Return a file's content in one of FORMATS. Raises OperatorError where the format's library is not installed."""
-    try:
-        module = importlib.import_module(FORMATS[form][1])
-    except ModuleNotFoundError as missing:
-        raise OperatorError(
-            f"the format {form} needs the package {missing.name}, which is not installed; "
-            "install it with: pip install 'free-decay-station[export]'"
-        ) from missing
-    write: Callable[[Exported], bytes] = module.encode
-    return write(exported)

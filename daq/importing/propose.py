@@ -15,7 +15,7 @@ from daq.importing.column_numbers import is_difference, is_measurable, is_offset
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
-from daq.importing.runs import find_runs
+from daq.importing.runs import find_runs, of_each
 from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
@@ -78,17 +78,8 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     """
     found = find_runs(table, options)
     chosen = _chosen(table, found, options)
-    made: list[_Run] = []
-    refused: list[ImportProblem] = []
     turns = _units_of_angles(chosen)
-    for run in chosen:
-        try:
-            made.append(_settled(run, options, turns))
-        except ImportProblem as refusal:
-            refused.append(refusal)
-    if not made:
-        raise refused[0]
-    left = tuple(f"a run was left out: {refusal}" for refusal in refused)
+    made, left = of_each(chosen, lambda run: _settled(run, options, turns))
     derived = {} if options.keep_derived else _derived(made)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
     made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
