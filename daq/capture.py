@@ -19,12 +19,11 @@ from daq.link import Link
 from daq.port import Port, open_port
 from daq.quality import lost_outside, summary
 from daq.raw_log import Kind, RawLog
-from daq.rest_detection import RestPeriod
 from daq.rig import Rig
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
 from daq.sources.source_board import SourceBoard
-from daq.trigger import Trigger
+from daq.trigger import RestPeriod, Trigger
 
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
@@ -131,7 +130,10 @@ class _Capture:
         trigger = self._rest()
         if self._rig is not None:
             trigger = self._hold(self._rig)
-        release = self._wait_for_release(trigger) if self._settings.wait_for_release else self._now()
+        release = self._early
+        if release is None:
+            waits = self._settings.wait_for_release
+            release = self._wait_for_release(trigger) if waits else self._link.assembly.expected
         self._take_window(release)
         self._link.stop()
         self._ask_again()
@@ -178,8 +180,6 @@ class _Capture:
 
     def _wait_for_release(self, trigger: Trigger) -> int:
         settings = self._settings
-        if self._early is not None:
-            return self._early
         noise = ", ".join(f"{c.name} {_small(self._noise[c.name], c.unit)}" for c in self._channels)
         whose = "release the mass" if self._rig is None else "the rig has released the mass"
         self._stream.state("armed", f"{whose}; noise at rest: {noise}")
@@ -189,9 +189,6 @@ class _Capture:
             if release is not None:
                 return release
         raise _no_release(_waited(settings.trigger_timeout_s, began), self._rig is not None)
-
-    def _now(self) -> int:
-        return self._early if self._early is not None else self._link.assembly.expected
 
     def _triggered(self, trigger: Trigger, block: Block) -> int | None:
         found = trigger.feed(block.first, block.samples)

@@ -188,7 +188,7 @@ class RawLog:
             return
         try:
             getattr(os, "fdatasync", os.fsync)(fd)
-            if os.fstat(fd).st_nlink == 0 or not self._still_there():
+            if os.fstat(fd).st_nlink == 0 or self.path is None or not self.path.exists():
                 raise OSError("the file was deleted or its folder vanished")
         except OSError as error:
             with self._lock:
@@ -206,9 +206,6 @@ class RawLog:
         with self._lock:
             self._records = [b"".join(self._records)]
             return self._records[0]
-
-    def _still_there(self) -> bool:
-        return self.path is not None and self.path.exists()
 
     def _write(self, data: bytes) -> None:
         if self._fd is None:

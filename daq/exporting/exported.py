@@ -9,6 +9,9 @@ import numpy as np
 from daq.plain_text import distinct
 from daq.recording import Array, Channel, Recording
 
+NUMBERS = ("calibration_uncertainty", "resolution", "low", "high")
+"""What is known of a channel in numbers."""
+
 
 @dataclass(frozen=True, eq=False)
 class Exported:
@@ -55,16 +58,9 @@ class Exported:
             "unit": channel.unit,
             "recorded_as": channel.name,
             "sensor": channel.sensor,
-            "calibration_uncertainty": _number(channel.calibration_uncertainty),
-            "resolution": _number(channel.resolution),
-            "low": _number(channel.low),
-            "high": _number(channel.high),
         }
+        known |= {name: repr(value) for name in NUMBERS if (value := getattr(channel, name)) is not None}
         return {name: text for name, text in known.items() if text}
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else repr(value)
 
 
 def _identifier(text: str) -> str:

@@ -176,7 +176,8 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
             continue
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
-        above.append(_header_cells_of(line, dialect, width))
+        bare = line.lstrip().lstrip("".join(COMMENTS)).strip() if is_comment(line) else line
+        above.append([c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)])
     fitting = [cells for cells in above if _fits(cells, width)]
     if not fitting:
         return [""] * width, [""] * width
@@ -187,11 +188,6 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
         return units, [""] * width
     best = max(range(len(fitting)), key=lambda k: (_says(fitting[k]) if width > 1 else 0, k))
     return _padded(fitting[best], width), units
-
-
-def _header_cells_of(line: str, dialect: Dialect, width: int) -> list[str]:
-    bare = line.lstrip().lstrip("".join(COMMENTS)).strip() if is_comment(line) else line
-    return [c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)]
 
 
 def _says(cells: Sequence[str]) -> int:

@@ -148,11 +148,11 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     angular = assumed if _is_angle(choices, options) else ""
     units = {q: _unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
     choices = _of_one_kind(choices, units, notes, doubts)
-    if options.rate is not None and (time := choices.pop("time", None)) is not None and time.asked:
-        raise problem(table.path, "a time column and a rate were both given", "give one of them")
-    fields: dict[str, tuple[Column, ...]] = {q: _fields(choices[q], units[q]) for q in ORDER if q in choices}
     if "time" in choices:
-        fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
+        if options.rate is not None:
+            raise problem(table.path, "a time column and a rate were both given", "give one of them")
+        units["time"] = _unit_of(table, choices["time"], options, "", notes)
+    fields = {q: _fields(choices[q], unit) for q, unit in units.items() if q in choices}
     pull = choices.get("acceleration")
     if pull is not None and not options.keep_offset and is_offset(pull.column.values):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
@@ -163,16 +163,6 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     notes += filter(None, [left_out(table, choices)])
     listed = [field for several in fields.values() for field in several]
     return _Run(run, choices, tuple(listed), tuple(notes), tuple(doubts))
-
-
-def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
-    if "time" in options.units or time.said.unit is not None:
-        return _unit_of(table, time, options, "", notes)
-    unit, why = guess_time_unit(time.column)
-    clock = "; times of day"
-    assumed = f"; it names no unit: {why} (change it with --unit time=...)"
-    notes.append(f"{time.column.place} read as time{clock if time.column.clock else assumed}")
-    return unit
 
 
 def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
@@ -201,11 +191,10 @@ def _derived(runs: Sequence[_Run]) -> dict[str, str]:
 
 def _left_out(run: _Run, derived: Mapping[str, str]) -> list[str]:
     """Return a sentence on each derived channel of a run."""
-    columns = {quantity: choice.column for quantity, choice in run.choices.items()}
     return [
-        f"{columns[quantity].place} was left out: {why} (--keep-derived keeps it)"
+        f"{run.choices[quantity].column.place} was left out: {why} (--keep-derived keeps it)"
         for quantity, why in derived.items()
-        if quantity in columns
+        if quantity in run.choices
     ]
 
 
@@ -260,6 +249,11 @@ def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, n
     if choice.said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
         return choice.said.unit_text
+    if quantity == "time":
+        spelled, why = guess_time_unit(choice.column)
+        assumed = f"; it names no unit: {why} (change it with --unit time=...)"
+        notes.append(f"{place} read as time{'; times of day' if choice.column.clock else assumed}")
+        return spelled
     spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
     if turns == "counts" and quantity == "displacement":
         spelled = "counts"
