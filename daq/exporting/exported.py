@@ -31,15 +31,16 @@ class Exported:
         return np.asarray(np.where(self.recording.valid, self.recording.samples, np.nan))
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """One name a channel that is unlike the others, and that every format takes as a variable's name.
+    def channels(self) -> dict[str, Channel]:
+        """The channels, each by a name that is unlike the others, and that every format takes as a variable's name.
 
         The first channel of a quantity, which identification uses, has the quantity's name.
         """
         plain = (
             _identifier(c.name) if c.quantity == "other" else c.quantity for c in self.recording.channels
         )
-        return distinct(plain, "_", taken=("time", "valid"))
+        names = distinct(plain, "_", taken=("time", "valid"))
+        return dict(zip(names, self.recording.channels, strict=True))
 
     @property
     def all_facts(self) -> dict[str, str]:

@@ -32,12 +32,13 @@ def to_csv(exported: Exported) -> bytes:
     text = io.StringIO()
     for name, fact in exported.all_facts.items():
         text.write(f"# {name}: {_one_line(fact)}\n")
-    for channel, name in zip(exported.recording.channels, exported.names, strict=True):
+    for name, channel in exported.channels.items():
         known = exported.channel_facts(channel)
         text.write(f"# {name}: " + ", ".join(f"{k} {_one_line(v)}" for k, v in known.items()) + "\n")
     writer = csv.writer(text, lineterminator="\n")
-    units = [channel.unit for channel in exported.recording.channels]
-    writer.writerow(["time [s]", *(f"{n} [{u}]" for n, u in zip(exported.names, units, strict=True))])
+    writer.writerow(
+        ["time [s]", *(f"{name} [{channel.unit}]" for name, channel in exported.channels.items())]
+    )
     columns = [[repr(value) for value in exported.time.tolist()]]
     columns += [["" if v != v else repr(v) for v in row.tolist()] for row in exported.samples]
     writer.writerows(zip(*columns, strict=True))
@@ -48,8 +49,7 @@ def to_matlab(exported: Exported) -> bytes:
     """Return a .mat file of version 5: time, one variable a channel, valid, rate, units, facts, calibration."""
     from scipy.io import savemat
 
-    channels = exported.recording.channels
-    columns = dict(zip(exported.names, exported.samples, strict=True))
+    columns = dict(zip(exported.channels, exported.samples, strict=True))
     file: Any = io.BytesIO()  # as scipy documents; its stubs know paths only
     savemat(
         file,
@@ -58,10 +58,8 @@ def to_matlab(exported: Exported) -> bytes:
             **{name: values[:, None] for name, values in columns.items()},
             "valid": exported.recording.valid[:, None],
             "rate": np.array([[exported.recording.rate]]),
-            "units": {"time": "s"} | {n: c.unit for n, c in zip(exported.names, channels, strict=True)},
-            "calibration": {
-                n: exported.channel_facts(c) for n, c in zip(exported.names, channels, strict=True)
-            },
+            "units": {"time": "s"} | {name: channel.unit for name, channel in exported.channels.items()},
+            "calibration": {name: exported.channel_facts(c) for name, c in exported.channels.items()},
             "facts": exported.all_facts,
         },
         long_field_names=True,
@@ -87,7 +85,7 @@ def to_universal_file(exported: Exported) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sets.uff"
         file = pyuff.UFF(str(path))
-        for number, (channel, name) in enumerate(zip(recording.channels, exported.names, strict=True), 1):
+        for number, (name, channel) in enumerate(exported.channels.items(), 1):
             turns = channel.unit.startswith("rad")
             texts = [name, *facts[:3], _one_line(channel.sensor)] + [""] * 5
             data = {
@@ -116,9 +114,7 @@ def to_hdf5(exported: Exported) -> bytes:
         time.attrs["unit"] = "s"
         time.make_scale("time")
         file.create_dataset("valid", data=exported.recording.valid)
-        for channel, name, values in zip(
-            exported.recording.channels, exported.names, exported.samples, strict=True
-        ):
+        for (name, channel), values in zip(exported.channels.items(), exported.samples, strict=True):
             column = file.create_dataset(name, data=values)
             column.attrs.update(exported.channel_facts(channel))
             column.dims[0].attach_scale(time)
@@ -133,7 +129,7 @@ def to_parquet(exported: Exported) -> bytes:
     fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
     fields += [
         pa.field(name, pa.float64(), metadata=exported.channel_facts(channel))
-        for channel, name in zip(exported.recording.channels, exported.names, strict=True)
+        for name, channel in exported.channels.items()
     ]
     fields.append(pa.field("valid", pa.bool_()))
     table = pa.table(
@@ -150,15 +146,10 @@ def to_mcap(exported: Exported) -> bytes:
     from mcap.writer import Writer
 
     recording = exported.recording
-    numbers = {"type": ["number", "null"]}
-    schema = {
-        "type": "object",
-        "properties": {"time": {"type": "number", "description": "s"}}
-        | {
-            name: numbers | {"description": channel.unit}
-            for channel, name in zip(recording.channels, exported.names, strict=True)
-        },
-    }
+    numbers: dict[str, Any] = {"type": ["number", "null"]}
+    properties: dict[str, Any] = {"time": {"type": "number", "description": "s"}}
+    properties |= {name: numbers | {"description": one.unit} for name, one in exported.channels.items()}
+    schema = {"type": "object", "properties": properties}
     content = io.BytesIO()
     writer = Writer(content)
     writer.start(profile="", library="free-decay-station")
@@ -166,12 +157,12 @@ def to_mcap(exported: Exported) -> bytes:
     topic = writer.register_channel(TOPIC, "json", kind)
     columns = [row.tolist() for row in exported.samples]
     for i, time in enumerate(exported.time.tolist()):
-        values = {n: None if c[i] != c[i] else c[i] for n, c in zip(exported.names, columns, strict=True)}
+        values = {n: None if c[i] != c[i] else c[i] for n, c in zip(exported.channels, columns, strict=True)}
         stamp = round(i * 1e9 / recording.rate)
         data = json.dumps({"time": time, **values}).encode()
         writer.add_message(topic, log_time=stamp, publish_time=stamp, data=data, sequence=i)
     writer.add_metadata("recording", exported.all_facts)
-    for channel, name in zip(recording.channels, exported.names, strict=True):
+    for name, channel in exported.channels.items():
         writer.add_metadata(name, exported.channel_facts(channel))
     writer.finish()
     return content.getvalue()
