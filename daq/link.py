@@ -53,8 +53,6 @@ ALIVE_S = 0.5
 GIVE_UP_S = 2.0
 NOISE_PIECES = 10
 
-StreamEvent = Block | Gap
-
 
 class Link:
     """One board behind one port; its frames go through `assembly`, its bytes to `log`."""
@@ -64,7 +62,7 @@ class Link:
         self.log = RawLog() if log is None else log
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
-        self.on_event: Callable[[StreamEvent], None] = lambda event: None
+        self.on_event: Callable[[Block | Gap], None] = lambda event: None
         self.keep_alive = False  # let the board hear this host twice a second, while `take` is called
         self._spoke = time.monotonic()
         self._sequence = 0
