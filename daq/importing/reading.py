@@ -69,7 +69,7 @@ class Look:
         try:
             made = apply(self.table, proposal.recipe)
         except NoClock as refusal:
-            recipe = refusal.mended(proposal.recipe)
+            recipe = proposal.recipe.model_copy(update=dict(refusal.remedy))
             settled = recipe != proposal.recipe
             if not settled and (accept or refusal.remedy):
                 raise
