@@ -9,29 +9,26 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
-from daq.capture_stream import CaptureStream
-from daq.decode import Assembly, Block
+from daq.capture_stream import CaptureObserver, CaptureStream
+from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, OperatorError, StationError
 from daq.failover import FallbackFolder, SessionWriter
-from daq.integrity import lost_outside
 from daq.link import Link
-from daq.observer import CaptureObserver
 from daq.port import Port, open_port
-from daq.quality import summary
+from daq.quality import lost_outside, summary
 from daq.raw_log import Kind, RawLog
-from daq.rest_detection import RestPeriod
 from daq.rig import Rig
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
 from daq.sources.source_board import SourceBoard
-from daq.trigger import Trigger
+from daq.trigger import RestPeriod, Trigger
 
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
+RESEND_FOR_S = 30.0
 MICROMETRES = 1e-4
 """Noise of a length (m) below which it is written in um."""
 
@@ -65,8 +62,8 @@ def capture(
             rig.require(settings.release_from)
         link.configure(settings.rate_hz)
         run = _Capture(link, settings, observer or CaptureObserver(), rig)
-        link.allow(run.budget.require())
-        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.budget.disk)
+        link.allow(settings.log_bytes(*run.load))
+        writer = SessionWriter.begin(folder, run.describe(), log, fallback, settings.disk_bytes(*run.load))
         try:
             run.record()
         except BaseException as error:
@@ -100,11 +97,11 @@ class _Capture:
         return round(settings.pre_trigger_s * self._rate) + round(settings.duration_s * self._rate)
 
     @property
-    def budget(self) -> Budget:
-        """How many bytes the capture may take."""
+    def load(self) -> tuple[float, int]:
+        """Samples per second, and the bytes of each, all channels together."""
         description = self._link.assembly.description
         assert description is not None
-        return Budget(self._settings, self._rate, len(self._channels) * description.format.size)
+        return self._rate, len(self._channels) * description.format.size
 
     def describe(self) -> SessionInfo:
         """Say to the observer who answered and return the session's metadata."""
@@ -133,7 +130,10 @@ class _Capture:
         trigger = self._rest()
         if self._rig is not None:
             trigger = self._hold(self._rig)
-        release = self._wait_for_release(trigger) if self._settings.wait_for_release else self._now()
+        release = self._early
+        if release is None:
+            waits = self._settings.wait_for_release
+            release = self._wait_for_release(trigger) if waits else self._link.assembly.expected
         self._take_window(release)
         self._link.stop()
         self._ask_again()
@@ -180,8 +180,6 @@ class _Capture:
 
     def _wait_for_release(self, trigger: Trigger) -> int:
         settings = self._settings
-        if self._early is not None:
-            return self._early
         noise = ", ".join(f"{c.name} {_small(self._noise[c.name], c.unit)}" for c in self._channels)
         whose = "release the mass" if self._rig is None else "the rig has released the mass"
         self._stream.state("armed", f"{whose}; noise at rest: {noise}")
@@ -191,9 +189,6 @@ class _Capture:
             if release is not None:
                 return release
         raise _no_release(_waited(settings.trigger_timeout_s, began), self._rig is not None)
-
-    def _now(self) -> int:
-        return self._early if self._early is not None else self._link.assembly.expected
 
     def _triggered(self, trigger: Trigger, block: Block) -> int | None:
         found = trigger.feed(block.first, block.samples)
@@ -227,7 +222,7 @@ class _Capture:
         unanswered, checkable, in_vain = 0, True, 0
         while in_vain < RESEND_ROUNDS:
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
-            holes = [*lost, *(_beside(assembly) if checkable else [])]
+            holes = [*lost, *(lost_outside(assembly) if checkable else [])]
             if not holes:
                 return
             self._stream.state("resending", f"asking again for {sum(n for _, n in holes)} samples")
@@ -280,11 +275,6 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
-
-
-def _beside(assembly: Assembly) -> list[tuple[int, int]]:
-    """List the samples that the checksum needs beside the recording."""
-    return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
 
 
 def _no_release(waited: str, by_rig: bool) -> OperatorError:

@@ -1,11 +1,17 @@
-"""How to capture: durations, rate, trigger, limits; refused in words when out of range."""
+"""How to capture: durations, rate, trigger, and the bytes that it may take; refused in words when out of range."""
 
 from dataclasses import dataclass, field
 
 from daq.errors import OperatorError
+from daq.raw_log import MAX_LOG
 from daq.session_info import SessionInfo
 
 MIN_PRE_TRIGGER_S = 0.5
+HOLD_FOR_S = 60.0
+SPARE_BYTES = 1 << 20
+LARGEST_OVERHEAD, SMALLEST_OVERHEAD = 80, 1.08
+"""Bytes of a sample that is sent in a frame and logged in a record of its own; share of frames that are full."""
+SLACK_BYTES = 1 << 22
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,27 @@ class CaptureSettings:
         _within("limit of lost samples", self.lost_limit, 0, 1, "")
         if self.trigger_level is not None and not self.trigger_level > 0:
             raise OperatorError(f"the trigger level must be positive, not {self.trigger_level:g}")
+
+    def disk_bytes(self, rate: float, sample_bytes: int) -> int:
+        """Return how many bytes must be free: twice what samples of so many bytes at `rate` Hz take, widest format."""
+        seconds = self.rest_s + self.pre_trigger_s + self.trigger_timeout_s + self.duration_s
+        return SPARE_BYTES + round(2 * rate * max(sample_bytes, 16) * seconds)
+
+    def log_bytes(self, rate: float, sample_bytes: int) -> int:
+        """Return the most bytes that the log may take, every wait lasting to its end.
+
+        A rig that releases itself moves, and rests twice. OperatorError when full frames alone would not fit a session.
+        """
+        rest = self.rest_timeout_s if self.release_from is None else 2 * self.rest_timeout_s + HOLD_FOR_S
+        seconds = rest + self.pre_trigger_s + self.trigger_timeout_s + self.duration_s
+        least = rate * seconds * sample_bytes * SMALLEST_OVERHEAD
+        if least > MAX_LOG - SLACK_BYTES:
+            raise OperatorError(
+                f"at {rate:g} Hz this capture may take {least / 1e9:.3g} GB in {seconds:g} s, more than the"
+                f" {MAX_LOG / 1e9:.3g} GB of a session; ask for a lower rate, or for shorter waits and duration"
+            )
+        most = 2 * rate * seconds * (sample_bytes + LARGEST_OVERHEAD)
+        return min(SLACK_BYTES + round(most), MAX_LOG - SLACK_BYTES)
 
 
 def _within(what: str, value: float, low: float, high: float, unit: str) -> None:

@@ -1,4 +1,4 @@
-"""The stream of a capture: blocks as they arrive, passed to the observer; a board that fails in it raises."""
+"""The stream of a capture: blocks as they arrive, passed to an observer; a board that fails in it raises."""
 
 import time
 from collections.abc import Iterator
@@ -6,9 +6,27 @@ from collections.abc import Iterator
 from daq.decode import Block
 from daq.errors import BoardError, LinkLost
 from daq.link import GIVE_UP_S, WARN_S, Link, is_noisy
-from daq.observer import CaptureObserver
-from daq.recording import Gap
-from firmware_protocol import HelloRequest, OtherVersion
+from daq.recording import Array, Channel, Gap
+from firmware_protocol import Hello, HelloRequest, OtherVersion
+
+
+class CaptureObserver:
+    """Called during a capture, in the thread that captures; override what is of interest."""
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """The board answered and described its channels."""
+
+    def state(self, name: str, detail: str) -> None:
+        """Where the capture stands: resting, holding, armed, triggered, recording, resending, sealed; and a sentence.
+
+        Called again with another detail for what is no new state, such as a silence.
+        """
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Samples from `first_index` on, shape (channels, n), SI units."""
+
+    def loss(self, gap: Gap) -> None:
+        """Samples that did not arrive; some of them may still be had by asking again."""
 
 
 class CaptureStream:

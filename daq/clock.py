@@ -68,12 +68,12 @@ def fit_arrivals(indices: Sequence[int], times: Sequence[float]) -> ClockFit | N
     line goes through the promptest arrival of each part of the record, and its error is their scatter. Bursts that come
     by a clock of their own may drift against the frames, by a frame at most: that is added.
     """
-    arrivals = _Arrivals.of(indices, times)
-    fits = [_line(*points) for points in arrivals.envelopes()]
+    envelopes, held_s = _envelopes(indices, times)
+    fits = [_line(*points) for points in envelopes]
     best = min((fit for fit in fits if fit is not None), key=lambda fit: fit.std, default=None)
     if best is None:
         return None
-    drift = best.rate * arrivals.held_s / best.span / 12**0.5
+    drift = best.rate * held_s / best.span / 12**0.5
     return replace(best, std=float(np.hypot(best.std, drift)))
 
 
@@ -83,9 +83,9 @@ def lasting_step(indices: Sequence[int], times: Sequence[float]) -> Unevenness |
     It must exceed six standard errors of what is left beside it, and part the promptest arrivals before it from all
     those after it by half its size. Where samples come in bursts, a frame that just missed one makes no step.
     """
-    arrivals = _Arrivals.of(indices, times)
-    least = max(LEAST_STEP_S, 1.5 * arrivals.held_s)
-    found = [step for points in arrivals.envelopes() if (step := _step(*points, least)) is not None]
+    envelopes, held_s = _envelopes(indices, times)
+    least = max(LEAST_STEP_S, 1.5 * held_s)
+    found = [step for points in envelopes if (step := _step(*points, least)) is not None]
     return max(found, key=lambda step: step.share, default=None)
 
 
@@ -142,39 +142,31 @@ def _line(index: Array, time: Array) -> ClockFit | None:
     return ClockFit(1 / period, std / period**2, span)
 
 
-@dataclass(frozen=True, eq=False)
-class _Arrivals:
-    """The end of each burst: the sample after its last, and when it came (s). `held_s` is a frame where frames are held."""
+def _envelopes(indices: Sequence[int], times: Sequence[float]) -> tuple[list[tuple[Array, Array]], float]:
+    """Return the promptest arrivals, (index, time) each, for each number of parts that the bursts suffice for.
 
-    index: Array
-    time: Array
-    held_s: float
-
-    @classmethod
-    def of(cls, indices: Sequence[int], times: Sequence[float]) -> "_Arrivals":
-        """Take for one burst what follows within a quarter of the time from frame to frame."""
-        index, time = np.asarray(indices, dtype=np.float64), np.asarray(times, dtype=np.float64)
-        order = np.argsort(time, kind="stable")
-        index, time = np.maximum.accumulate(index[order]), time[order]
-        frame = float(np.ptp(time)) / len(time) if len(time) else 0.0
-        last = np.diff(time, append=np.inf) > 0.25 * frame
-        return cls(index[last], time[last], frame if last.sum() < BURSTS * len(time) else 0.0)
-
-    def envelopes(self) -> list[tuple[Array, Array]]:
-        """Return the promptest arrivals, (index, time) each, for each number of parts that the bursts suffice for."""
-        index, time = self.index, self.time
-        found = []
-        for blocks in (n for n in BLOCKS if n <= len(index) and np.ptp(index) > 0):
-            edges = np.linspace(index.min(), index.max(), blocks + 1)[1:-1]
-            part = np.searchsorted(edges, index, side="left")
-            kept = np.arange(len(index))
-            for _ in range(3):  # the line decides which is promptest, and they decide the line
-                line = np.polynomial.Polynomial.fit(index[kept], time[kept], 1)
-                order = np.lexsort((time - line(index), part))
-                kept = order[np.flatnonzero(np.diff(part[order], prepend=-1))]
-            if len(kept) > blocks // 2:
-                found.append((index[kept], time[kept]))
-        return found
+    Of what follows within a quarter of the time from frame to frame, a burst, the end counts: the sample after its last,
+    and when it came (s). The time of a frame (s) is returned where frames are held, else 0.
+    """
+    index, time = np.asarray(indices, dtype=np.float64), np.asarray(times, dtype=np.float64)
+    order = np.argsort(time, kind="stable")
+    index, time = np.maximum.accumulate(index[order]), time[order]
+    frame = float(np.ptp(time)) / len(time) if len(time) else 0.0
+    last = np.diff(time, append=np.inf) > 0.25 * frame
+    held_s = frame if last.sum() < BURSTS * len(time) else 0.0
+    index, time = index[last], time[last]
+    found = []
+    for blocks in (n for n in BLOCKS if n <= len(index) and np.ptp(index) > 0):
+        edges = np.linspace(index.min(), index.max(), blocks + 1)[1:-1]
+        part = np.searchsorted(edges, index, side="left")
+        kept = np.arange(len(index))
+        for _ in range(3):  # the line decides which is promptest, and they decide the line
+            line = np.polynomial.Polynomial.fit(index[kept], time[kept], 1)
+            order = np.lexsort((time - line(index), part))
+            kept = order[np.flatnonzero(np.diff(part[order], prepend=-1))]
+        if len(kept) > blocks // 2:
+            found.append((index[kept], time[kept]))
+    return found, held_s
 
 
 def _step(index: Array, time: Array, least: float) -> Unevenness | None:

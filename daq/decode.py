@@ -12,14 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
+from daq.description_checks import IMPORTED, WINDOW, Window, channels_of, noted, problem_of
 from daq.errors import DataLost
-from daq.integrity import Integrity, integrity
-from daq.losses import Losses
 from daq.plain_text import in_one_line
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.sample_store import Piece, SampleStore
+from daq.sample_store import Losses, SampleStore
 from firmware_protocol import (
     Clock,
     Data,
@@ -48,11 +46,10 @@ LEAST_PPM, MOST_PPM = 0.01, 1e5
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Samples from `first` on in SI units, shape (channels, n), that reached the host at `time`."""
+    """Samples from `first` on in SI units, shape (channels, n)."""
 
     first: int
     samples: Array
-    time: float
 
 
 class Assembly:
@@ -71,7 +68,7 @@ class Assembly:
         self.events: list[Event] = []
         self.contradictions: list[str] = []
         self.samples = SampleStore()
-        self._losses = Losses()
+        self.losses = Losses()
         self.jumped = 0  # samples that were missing when a later one came
         self._sequence, self._started = -1, False
 
@@ -95,12 +92,12 @@ class Assembly:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
         self.origin = ORIGINS.get(str(note.get("event")), self.origin)
         if note.get("event") == "window":
-            self.window = window_of(note) or self.window
+            self.window = noted(WINDOW, note) or self.window
         elif note.get("event") == "start":
             self._forget_samples()
-        elif note.get("event") == "imported":
-            self._losses.noted = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
-            self.notes += [item for item in items_of(note, "notes") if isinstance(item, str)]
+        elif note.get("event") == "imported" and (found := noted(IMPORTED, note)) is not None:
+            self.losses.noted = [Gap(*gap) for gap in found.gaps]
+            self.notes += found.notes
 
     @property
     def expected(self) -> int:
@@ -151,16 +148,15 @@ class Assembly:
         """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
         assert self.description is not None
         samples = np.full((len(self.description.channels), stop - first), np.nan)
-        for piece in self.samples.within(first, stop):
-            at = piece.first - first
-            block = _convert(piece.data, self.description)[:, max(-at, 0) : stop - first - at]
-            samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
+        known = _convert(self.samples.bytes_of(first, stop), self.description)
+        samples[:, : known.shape[1]] = known
+        samples[:, ~self.samples.mask(first, stop)] = np.nan
         return samples
 
     def recording(self) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
-        if not self.samples or self.description is None or stop <= first:
+        if not self.samples.received or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
         samples = self.between(first, stop)
         valid: Mask = np.all(np.isfinite(samples), axis=0)
@@ -176,21 +172,17 @@ class Assembly:
             notes=(*self.notes, *self.contradictions),
         )
 
-    def integrity(self) -> Integrity:
-        """Check whether the samples are those of which END tells the number and the checksum."""
-        return integrity(self.samples, self._losses, self.end, self.start, self.most_missing)
-
     def _forget_samples(self) -> None:
         """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
         self.samples = SampleStore()
         self.jumped, self._sequence, self._started = 0, -1, True
-        for items in (self._losses, self.events, self.contradictions):
+        for items in (self.losses, self.events, self.contradictions):
             items.clear()
 
     def _take_hello(self, hello: Hello) -> tuple[Gap, ...]:
         known = self.hello
-        if known is None or not self.samples:
+        if known is None or not self.samples.received:
             self.hello = hello
         elif hello.boot_id != known.boot_id and not self.rebooted:
             self.rebooted = True
@@ -202,7 +194,7 @@ class Assembly:
         problem = problem_of(description)
         if problem:
             _list(self.contradictions, problem)
-        elif (self.samples or self._started) and description != self.description:
+        elif (self.samples.received or self._started) and description != self.description:
             _list(self.contradictions, "the board described other channels in the middle of the recording")
         else:
             self.description = description
@@ -221,7 +213,7 @@ class Assembly:
             _list(self.notes, f"the rig let go from {1e3 * before.displacement:g} mm")
 
     def _take_end(self, end: End) -> None:
-        if self.end is not None and self.samples and end != self.end:
+        if self.end is not None and self.samples.received and end != self.end:
             _list(self.contradictions, "the board said END twice, with other numbers")
         else:
             self.end = end
@@ -230,7 +222,7 @@ class Assembly:
         if len(self.events) < MAX_LISTED:
             self.events.append(event)
         if event.kind == EventKind.OVERRUN:
-            self._losses.overrun(event.index, event.index + event.count)
+            self.losses.overrun(event.index, event.index + event.count)
         if event.kind == EventKind.OTHER and event.text:
             _list(self.notes, f"the board reports: {event.text}")
 
@@ -238,7 +230,7 @@ class Assembly:
         _list(self.notes, f"the board said: {log.text}")
 
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
-        if self.end is not None and not self.samples and data.first_index + data.n > self.total:
+        if self.end is not None and not self.samples.received and data.first_index + data.n > self.total:
             self.end = None  # a STOP asked twice is answered twice: this END was of the capture before
         problem = _objection(self, data)
         if problem:
@@ -247,30 +239,31 @@ class Assembly:
             return ()
         again = self.end is not None
         if data.first_index < self.expected and not again:
-            self._take_late(sequence, Piece(data, time))
+            self._take_late(sequence, data, time)
             return ()
         if data.dropped_before and not again:
-            self._losses.overrun(data.first_index - data.dropped_before, data.first_index)
-            self._losses.dropped += data.dropped_before
+            self.losses.overrun(data.first_index - data.dropped_before, data.first_index)
+            self.losses.dropped += data.dropped_before
         lost: tuple[Gap, ...] = ()
         if not again:
             self.jumped += data.first_index - self.expected
-            lost = self._losses.before(data.first_index, self.expected, data.dropped_before)
+            lost = self.losses.before(data.first_index, self.expected, data.dropped_before)
         self._sequence = sequence
-        new = self.samples.add(Piece(data, float("nan") if again else time))
+        new = self.samples.add(data, float("nan") if again else time)
         assert self.description is not None
-        return (*lost, *(Block(part.first, _convert(part.data, self.description), time) for part in new))
+        samples = _convert(data.samples, self.description)
+        return (*lost, *(Block(data.first_index + a, samples[:, a:b]) for a, b in new))
 
-    def _take_late(self, sequence: int, piece: Piece) -> None:
+    def _take_late(self, sequence: int, data: Data, time: float) -> None:
         """A frame sent before the last one was delayed or doubled by the wire; a newer one contradicts it."""
         if 0 < (sequence - self._sequence) & 0xFFFFFFFF < 1 << 31:
-            _list(self.contradictions, f"the sample index went back to {piece.first} without a reboot")
+            _list(self.contradictions, f"the sample index went back to {data.first_index} without a reboot")
         else:
-            self.samples.add(piece)
+            self.samples.add(data, time)
 
     def _gaps(self, valid: Mask, first: int) -> tuple[Gap, ...]:
         arrived = self.samples.mask(first, first + len(valid))
-        return self._losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
+        return self.losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
 
 
 _TAKERS: dict[type, Callable[[Assembly, Any], tuple[Gap, ...] | None]] = {
@@ -307,10 +300,10 @@ def _objection(assembly: Assembly, data: Data) -> str | None:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
-def _convert(data: Data, description: Describe) -> Array:
+def _convert(samples: bytes, description: Describe) -> Array:
     """Return samples in SI units, shape (channels, n)."""
-    numbers = np.frombuffer(data.samples, data.format.code).reshape(data.n, data.channels).T
-    values = numbers.astype(np.float64)
+    numbers = np.frombuffer(samples, description.format.code).reshape(-1, len(description.channels))
+    values = numbers.T.astype(np.float64)
     for row, channel in zip(values, description.channels, strict=True):
         if channel.scale != 1.0:
             row *= channel.scale

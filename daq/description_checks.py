@@ -3,30 +3,39 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
 
 from daq.plain_text import distinct
-from daq.recording import Channel, Gap
-from firmware_protocol import ChannelDescription, Describe, SampleFormat
+from daq.recording import Array, Channel
+from firmware_protocol import ChannelDescription, Data, Describe, SampleFormat
 
 MAX_RATE = 1e7
-MAX_ITEMS = 20_000
+Whole = Annotated[int, Field(strict=True, ge=0, le=1 << 62)]
+T = TypeVar("T")
 SHARED = ("quantity", "unit", "resolution", "low", "high", "group_delay_s", "sensor")
-UNITS = {
-    "displacement": ("m", "rad"),
-    "velocity": ("m/s", "rad/s"),
-    "acceleration": ("m/s^2", "rad/s^2"),
-    "force": ("N", "N m"),
-}
 
 
 @dataclass(frozen=True)
 class Window:
     """The part of the stream that is the recording: `count` samples from `first`, released at `trigger`."""
 
-    first: int
-    count: int
-    trigger: int | None = None
+    first: Whole
+    count: Whole
+    trigger: Whole | None = None
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What an import knew beside its samples: `gaps` as (first, count, reason), and sentences."""
+
+    gaps: tuple[tuple[Whole, Whole, str], ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+WINDOW, IMPORTED = TypeAdapter(Window), TypeAdapter(Imported)
 
 
 def channels_of(description: Describe) -> tuple[Channel, ...]:
@@ -46,6 +55,12 @@ def description_of(channels: Sequence[Channel], rate: float) -> Describe:
     return Describe(SampleFormat.F64, tuple(described))
 
 
+def data_of(first: int, time_us: float, samples: Array, dropped: int = 0) -> Data:
+    """Return samples in SI units, shape (n, channels), as DATA of such a description; `first` was taken at `time_us`."""
+    content = np.ascontiguousarray(samples, dtype="<f8").tobytes()
+    return Data(first, round(time_us), dropped, len(samples), samples.shape[1], SampleFormat.F64, content)
+
+
 def _shared(channel: Channel | ChannelDescription) -> dict[str, Any]:
     """Return what a channel and its description on the wire have in common, beside the name."""
     found = {field: getattr(channel, field) for field in SHARED}
@@ -55,18 +70,6 @@ def _shared(channel: Channel | ChannelDescription) -> dict[str, Any]:
 def _fitting(text: str) -> str:
     """Cut a text to what the wire carries, between two characters."""
     return text.encode()[:255].decode(errors="ignore")
-
-
-def foreign_unit(channels: Sequence[Channel]) -> str:
-    """Warn, in words, of units that the protocol does not list; empty when it lists all."""
-    for channel in channels:
-        units = UNITS.get(channel.quantity)
-        if units and channel.unit not in units:
-            return (
-                f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
-                f" {' or '.join(units)}; its numbers were taken as they are"
-            )
-    return ""
 
 
 def problem_of(description: Describe) -> str | None:
@@ -86,28 +89,9 @@ def problem_of(description: Describe) -> str | None:
     return None
 
 
-def items_of(note: dict[str, Any], key: str) -> list[Any]:
-    """Return a list out of a note, cut to a sensible length; empty when there is none."""
-    value = note.get(key)
-    return value[:MAX_ITEMS] if isinstance(value, list) else []
-
-
-def _whole(value: object) -> bool:
-    return type(value) is int and 0 <= value <= 1 << 62
-
-
-def gap_of(item: object) -> Gap | None:
-    """Return a gap that was noted as [first, count, reason], or None."""
-    match item:
-        case [int(first), int(count), str(reason)] if _whole(first) and _whole(count):
-            return Gap(first, count, reason)
-    return None
-
-
-def window_of(note: dict[str, Any]) -> Window | None:
-    """Return the window in a note, or None."""
-    match note:
-        case {"first": int(first), "count": int(count)} if _whole(first) and _whole(count):
-            trigger = note.get("trigger")
-            return Window(first, count, trigger if isinstance(trigger, int) and _whole(trigger) else None)
-    return None
+def noted(kind: TypeAdapter[T], note: dict[str, Any]) -> T | None:
+    """Return what a note of the station says, None where it is not understood."""
+    try:
+        return kind.validate_python(note)
+    except ValidationError:
+        return None

@@ -5,15 +5,14 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.description_checks import MAX_RATE, description_of
+from daq.description_checks import MAX_RATE, data_of, description_of
 from daq.errors import OperatorError
 from daq.raw_log import Kind, RawLog
 from daq.recording import Recording, runs
-from firmware_protocol import Data, End, Hello, Message, SampleFormat, encode
+from firmware_protocol import End, Hello, Message, encode
 
 ROOM_FOR_SAMPLES = 980
-FIRMWARE = "import"  # the HELLO of a recording that no board sent
-CHUNK = 1 << 16
+TOGETHER = 64  # frames in a record
 
 
 def import_log(recording: Recording) -> RawLog:
@@ -33,42 +32,32 @@ def import_log(recording: Recording) -> RawLog:
         notes=list(recording.notes),
     )
     log.note(event="window", first=0, count=len(recording.valid), trigger=recording.trigger)
-    _append(log, recording)
+    messages = _messages(recording)
+    for at in range(0, len(messages), TOGETHER):
+        frames = (encode(one, sequence) for sequence, one in enumerate(messages[at : at + TOGETHER], at + 2))
+        log.append(Kind.RECEIVED, b"".join(frames))
     return log
 
 
 def _introduction(recording: Recording) -> bytes:
     try:
-        hello = encode(Hello(boot_id=0, clock_hz=0, firmware=FIRMWARE), 0)
+        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
         return hello + encode(description_of(recording.channels, recording.rate), 1)
     except ValueError as error:
         n = len(recording.channels)
         raise OperatorError(f"{n} channels cannot be stored together: {error}") from error
 
 
-def _append(log: RawLog, recording: Recording) -> None:
-    pending = b""
-    for sequence, message in enumerate(_messages(recording), start=2):
-        pending += encode(message, sequence)
-        if len(pending) > CHUNK:
-            log.append(Kind.RECEIVED, pending)
-            pending = b""
-    log.append(Kind.RECEIVED, pending)
-
-
 def _messages(recording: Recording) -> list[Message]:
     """Return DATA for every run of valid samples, and END."""
-    table = np.ascontiguousarray(recording.samples.T.astype("<f8"))
-    channels = len(recording.channels)
-    per_frame = max(ROOM_FOR_SAMPLES // (8 * channels), 1)
+    table = np.ascontiguousarray(recording.samples.T)
+    per_frame = max(ROOM_FOR_SAMPLES // (8 * len(recording.channels)), 1)
     messages: list[Message] = []
     check = 0
     for start, stop in runs(recording.valid):
         for first in range(start, stop, per_frame):
-            n = min(per_frame, stop - first)
-            samples = table[first : first + n].tobytes()
-            check = crc32(samples, check)
-            when = round(first / recording.rate * 1e6)
-            messages.append(Data(first, when, 0, n, channels, SampleFormat.F64, samples))
+            data = data_of(first, first / recording.rate * 1e6, table[first : min(first + per_frame, stop)])
+            check = crc32(data.samples, check)
+            messages.append(data)
     lost = int(len(recording.valid) - recording.valid.sum())
     return [*messages, End(len(recording.valid), lost, check)]

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardError,
@@ -45,13 +44,14 @@ from firmware_protocol import (
     encode,
 )
 
-HELLO_EVERY_S = 0.25
+BOOT_S = 3.0
+HELLO_FOR_S, HELLO_EVERY_S = 5.0, 0.25
+ANSWER_S = (0.25, 0.5, 1.0, 2.0)
+END_S = 30.0
 WARN_S = 0.5
 ALIVE_S = 0.5
 GIVE_UP_S = 2.0
 NOISE_PIECES = 10
-
-StreamEvent = Block | Gap
 
 
 class Link:
@@ -62,7 +62,7 @@ class Link:
         self.log = RawLog() if log is None else log
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
-        self.on_event: Callable[[StreamEvent], None] = lambda event: None
+        self.on_event: Callable[[Block | Gap], None] = lambda event: None
         self.keep_alive = False  # let the board hear this host twice a second, while `take` is called
         self._spoke = time.monotonic()
         self._sequence = 0
@@ -198,14 +198,11 @@ class Link:
 
     def configure(self, rate_hz: float) -> None:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
-        before = self.assembly.description
         self.request(Config(rate_hz=rate_hz))
         if self.wait(lambda message: isinstance(message, Describe), WARN_S) is None:
             self.handshake(GIVE_UP_S)
         if self.assembly.contradictions:
             raise BoardError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
-        if self.assembly.description is None:
-            self.assembly.description = before
 
     def start(self) -> None:
         """Begin to sample at index 0."""

@@ -1,17 +1,26 @@
-"""Which ports there are, and which of them answer as a board: a port must be named unless exactly one does."""
+"""What can be learnt of ports: which there are, what the system knows of one, who answers there, and what a board sends.
 
+A port must be named unless exactly one answers.
+"""
+
+import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
+from daq.capture_stream import CaptureObserver, CaptureStream
+from daq.clock import ClockFit
 from daq.errors import BoardError, PortError, StationError
-from daq.link import Link
+from daq.link import GIVE_UP_S, Link
 from daq.port import Port, PortDescription, open_port, system_ports
-from daq.recording import Channel
+from daq.recording import Channel, Recording
 from firmware_protocol import Hello
 
 PROBE_S = 2.5
 MOST_PROBED = 16
+PROC = Path("/proc")
+SYSTEM_TTY = Path("/sys/class/tty")
 
 
 @dataclass(frozen=True)
@@ -74,3 +83,78 @@ def _nobody(found: tuple[Candidate, ...]) -> str:
         return "this computer has no serial port; plug the board in, or name a port"
     names = ", ".join(candidate.port.name for candidate in found[:5])
     return f"no board answers at {names}; plug it in, or name its port"
+
+
+@dataclass(frozen=True)
+class BoardSample:
+    """Who answered, what came, the rate by this computer's clock, and damaged frames."""
+
+    hello: Hello
+    recording: Recording
+    clock: ClockFit | None
+    damaged: int
+
+
+def sample_board(port: str, seconds: float, rate_hz: float) -> BoardSample:
+    """Sample the board at `port` for so many seconds of its own time, at `rate_hz` (0: its own rate).
+
+    Raises a StationError as a capture does; LinkLost after 2 s without samples.
+    """
+    with Link(open_port(port)) as link:
+        hello = link.handshake()
+        link.configure(rate_hz)
+        assembly = link.assembly
+        stream = CaptureStream(link, CaptureObserver(), kept="nothing was kept")
+        stream.start()
+        stream.take_to(round(seconds * assembly.rate), 2 * seconds + GIVE_UP_S)
+        link.stop()
+        return BoardSample(
+            hello, assembly.recording(), assembly.samples.host_clock(), link.statistics.damaged
+        )
+
+
+@dataclass(frozen=True)
+class PortFacts:
+    """`holders` are the programs (name, pid) that have it open, as far as this user may see them.
+
+    `latency_ms` is that of an FTDI adapter, None where the system does not know it.
+    """
+
+    holders: tuple[tuple[str, int], ...]
+    latency_ms: int | None
+
+
+def port_facts(name: str, proc: Path = PROC, tty: Path = SYSTEM_TTY) -> PortFacts:
+    """Return the facts of a device; of a URL (`socket://...`) nothing is known."""
+    if "://" in name:
+        return PortFacts((), None)
+    device = os.path.realpath(name)
+    return PortFacts(_holders(device, proc), _latency(device, tty))
+
+
+def _holders(device: str, proc: Path) -> tuple[tuple[str, int], ...]:
+    """Look through /proc/PID/fd (Linux); other users' programs stay unseen without their rights."""
+    found = []
+    for process in sorted(proc.glob("[0-9]*")):
+        pid = int(process.name)
+        if pid == os.getpid() or not _has_open(process, device):
+            continue
+        try:
+            found.append(((process / "comm").read_text(errors="replace").strip(), pid))
+        except OSError:
+            continue
+    return tuple(found)
+
+
+def _has_open(process: Path, device: str) -> bool:
+    try:
+        return any(os.path.realpath(entry) == device for entry in (process / "fd").iterdir())
+    except OSError:
+        return False
+
+
+def _latency(device: str, tty: Path) -> int | None:
+    try:
+        return int((tty / Path(device).name / "device" / "latency_timer").read_text())
+    except (OSError, ValueError):
+        return None

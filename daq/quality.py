@@ -1,7 +1,7 @@
 """The verdict on a recording: OK, USABLE WITH GAPS or REJECT, with the reasons in words.
 
 It judges what was recorded, not what it means: losses, a dead channel, too little motion, faults of the sensors, a
-start in mid-motion, noise, clocks, channels that contradict each other.
+start in mid-motion, noise, clocks, END against the samples, channels that contradict each other.
 """
 
 from collections import Counter
@@ -13,13 +13,18 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.description_checks import foreign_unit
-from daq.integrity import Outcome
 from daq.recording import Array, Channel, Gap, Recording
 from daq.sensor_faults import SensorFaults, sensor_faults
 from daq.wiring_check import Suspicion, suspicions
-from firmware_protocol import EventKind
+from firmware_protocol import End, EventKind
 
+UNITS = {
+    "displacement": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s^2", "rad/s^2"),
+    "force": ("N", "N m"),
+}
+"""Units that the protocol lists for each quantity."""
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 MOTION_TO_NOISE = 20.0
@@ -76,7 +81,8 @@ def judge(
     if assembly is not None:
         found += _board_reports(assembly)
         if assembly.origin != IMPORT:
-            found += _integrity(assembly, remarks)
+            found += _units(recording)
+            found += integrity(assembly, remarks)
             found += checked_rate(assembly, check_clock).suspicions
     found.sort(key=lambda suspicion: not suspicion.certain)
     grade = (Grade.REJECT if found[0].certain else Grade.USABLE) if found else Grade.OK
@@ -91,7 +97,6 @@ def summary(gaps: Iterable[Gap]) -> str:
         "wire": "on the wire",
         "overrun": "by overrun of the board",
         "reboot": "by a reboot of the board",
-        "checksum": "to a wrong checksum",
     }
     counts: Counter[str] = Counter()
     for gap in gaps:
@@ -145,14 +150,23 @@ def _start(recording: Recording) -> Iterator[Suspicion]:
         yield Suspicion(False, f"only {trigger / recording.rate:.2f} s were recorded before the release")
 
 
-def _kinematics(recording: Recording) -> tuple[Suspicion, ...]:
+def _kinematics(recording: Recording) -> Iterator[Suspicion]:
     """Hold the two channels of a free oscillation against each other."""
     displacement, acceleration = recording.channel("displacement"), recording.channel("acceleration")
-    if displacement is None or acceleration is None:
-        return ()
-    good = np.flatnonzero(recording.valid)
-    good = good[good >= (recording.trigger or 0)]
-    return suspicions(displacement[good], acceleration[good], recording.rate)
+    if displacement is not None and acceleration is not None:
+        good = np.flatnonzero(recording.valid)
+        good = good[good >= (recording.trigger or 0)]
+        yield from suspicions(displacement[good], acceleration[good], recording.rate)
+
+
+def _units(recording: Recording) -> Iterator[Suspicion]:
+    for channel in recording.channels:
+        units = UNITS.get(channel.quantity)
+        if units and channel.unit not in units:
+            text = f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
+            text += f" {' or '.join(units)}; its numbers were taken as they are"
+            yield Suspicion(False, text, "put the factor to SI units into `scale` of the firmware")
+            return
 
 
 def _board_reports(assembly: Assembly) -> Iterator[Suspicion]:
@@ -167,22 +181,67 @@ def _board_reports(assembly: Assembly) -> Iterator[Suspicion]:
         yield Suspicion(True, "the board rebooted in mid-capture", "check its supply")
 
 
-def _integrity(assembly: Assembly, remarks: list[str]) -> Iterator[Suspicion]:
-    """Hold the samples against DESCRIBE and END; where copies of samples differ, the checksum decides which was right."""
-    if unit := foreign_unit(assembly.channels):
-        yield Suspicion(False, unit, "put the factor to SI units into `scale` of the firmware")
-    found = assembly.integrity()
-    agrees = found.checksum is Outcome.AGREES
-    if found.problem:
-        yield Suspicion(True, f"the board contradicts itself: {found.problem}", "correct the firmware")
-    if differing := assembly.samples.differing:
-        count, first = sum(n for _, n in differing), differing[0][0]
+def integrity(assembly: Assembly, remarks: list[str]) -> Iterator[Suspicion]:
+    """Yield what END says against the samples; where copies of samples differ, its checksum decides which was right.
+
+    That the checksum agrees is one of the `remarks`.
+    """
+    samples, end = assembly.samples, assembly.end
+    problem = _contradiction(assembly, end) if end is not None else ""
+    unchecked = _unchecked(assembly, problem)
+    agrees = end is not None and not unchecked and samples.checksum() == end.checksum
+    if problem:
+        yield Suspicion(True, f"the board contradicts itself: {problem}", "correct the firmware")
+    if samples.differing:
+        count, first = sum(n for _, n in samples.differing), samples.differing[0][0]
         text = f"the board sent {count} samples twice with other values, from sample {first} on; the first were kept"
         text += ", and its checksum agrees with them" if agrees else ""
         yield Suspicion(not agrees, text, "correct the firmware")
     if agrees:
         remarks.append("the board's checksum of all its samples agrees")
-    elif found.checksum is Outcome.DIFFERS:
-        yield Suspicion(True, "the board's checksum of all samples does not agree", "take it again")
+    elif unchecked:
+        yield Suspicion(False, f"the board's checksum could not be checked: {unchecked}")
     else:
-        yield Suspicion(False, f"the board's checksum could not be checked: {found.why}")
+        yield Suspicion(True, "the board's checksum of all samples does not agree", "take it again")
+
+
+def lost_outside(assembly: Assembly) -> list[tuple[int, int]]:
+    """List the samples that the checksum needs beside the recording, as (first, count), in order.
+
+    None when all samples but the dropped ones are here, or the board never said END.
+    """
+    samples, end, total = assembly.samples, assembly.end, assembly.total
+    if end is None or end.total_dropped + samples.received >= total:
+        return []
+    parts = ((0, min(assembly.start, total)), (assembly.stop, total))
+    return [hole for first, last in parts if last > first for hole in samples.holes(first, last)]
+
+
+def _unchecked(assembly: Assembly, problem: str) -> str:
+    """Say why the checksum says nothing of the samples held; "" where it does."""
+    samples, end = assembly.samples, assembly.end
+    if end is None:
+        return "the board's END never came"
+    missing = end.total_samples - end.total_dropped - samples.received
+    if missing and problem:
+        return "the board's END contradicts its samples"
+    if not missing:
+        return ""
+    before = min(sum(count for _, count in samples.holes(0, assembly.start)), missing)
+    parts = [f"{before} from before the recording"] if before else []
+    parts += [f"{missing - before} of the recording or after it"] if missing > before else []
+    return f"{missing} samples that it covers are lost, {' and '.join(parts)}"
+
+
+def _contradiction(assembly: Assembly, end: End) -> str:
+    samples, total, dropped = assembly.samples, end.total_samples, end.total_dropped
+    said = f"END says {total} samples, {dropped} of them dropped"
+    if total < samples.expected:
+        return f"{said}, but sample {samples.expected - 1} had come"
+    if total - samples.expected > assembly.most_missing:
+        return f"{said}, but the last that came was {samples.expected - 1}"
+    if dropped + samples.received > total:
+        return f"{said}, but {samples.received} came"
+    if assembly.losses.dropped > dropped:
+        return f"{said}, but DATA counted {assembly.losses.dropped} as dropped"
+    return ""

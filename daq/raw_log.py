@@ -10,7 +10,6 @@ import json
 import os
 import threading
 import time
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
@@ -93,39 +92,24 @@ def unpack(data: bytes) -> RawRecords:
     if not data.startswith(MAGIC):
         raise SessionDamaged("the raw log does not begin as one; it was overwritten or is another file")
     records: list[Record] = []
-    damaged = 0
-    for item in _pieces(data):
-        if isinstance(item, Record):
-            records.append(item)
-        elif item < 0:
-            return RawRecords(tuple(records), damaged, -item)
-        else:
-            damaged += 1
-    return RawRecords(tuple(records), damaged, 0)
-
-
-def _pieces(data: bytes) -> Iterator[Record | int]:
-    """Yield records, 1 for each damaged piece and minus the bytes left when the last record is cut."""
-    at, end = len(MAGIC), len(data)
-    while at < end:
-        if at + HEAD_SIZE > end:
-            yield at - end
-            return
+    damaged, at, end = 0, len(MAGIC), len(data)
+    while at + HEAD_SIZE <= end:
         marker, kind, length, when, check = _HEAD.unpack_from(data, at)
         (head_check,) = _CHECK.unpack_from(data, at + _HEAD.size)
         if marker != MARKER or head_check != crc32(data[at : at + _HEAD.size]):
-            yield 1
+            damaged += 1
             at = _next_head(data, at + 1)
             continue
-        start, at = at + HEAD_SIZE, at + HEAD_SIZE + length
-        if at > end:
-            yield start - HEAD_SIZE - end
-            return
+        start = at + HEAD_SIZE
+        if start + length > end:
+            break
+        at = start + length
         payload = data[start:at]
         if crc32(payload) == check and kind in _KINDS:
-            yield Record(Kind(kind), when, payload)
+            records.append(Record(Kind(kind), when, payload))
         else:
-            yield 1
+            damaged += 1
+    return RawRecords(tuple(records), damaged, end - at)
 
 
 def _next_head(data: bytes, at: int) -> int:
@@ -204,7 +188,7 @@ class RawLog:
             return
         try:
             getattr(os, "fdatasync", os.fsync)(fd)
-            if os.fstat(fd).st_nlink == 0 or not self._still_there():
+            if os.fstat(fd).st_nlink == 0 or self.path is None or not self.path.exists():
                 raise OSError("the file was deleted or its folder vanished")
         except OSError as error:
             with self._lock:
@@ -222,9 +206,6 @@ class RawLog:
         with self._lock:
             self._records = [b"".join(self._records)]
             return self._records[0]
-
-    def _still_there(self) -> bool:
-        return self.path is not None and self.path.exists()
 
     def _write(self, data: bytes) -> None:
         if self._fd is None:

@@ -44,7 +44,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Gap:
-    """Samples `first` to `first + count - 1` that were lost, and why (wire, overrun, reboot, checksum)."""
+    """Samples `first` to `first + count - 1` that were lost, and why (wire, overrun, reboot)."""
 
     first: int
     count: int

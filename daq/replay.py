@@ -2,10 +2,9 @@
 
 import time
 
-from daq.decode import Assembly, Block, play
+from daq.capture_stream import CaptureObserver
+from daq.decode import IMPORT, Assembly, Block, play
 from daq.errors import OperatorError
-from daq.import_log import FIRMWARE
-from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
 from daq.recording import Recording
 from daq.session import Session
@@ -29,10 +28,9 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
         if not described and assembly.hello is not None and assembly.description is not None:
             described = True
             observer.connected(assembly.hello, assembly.channels)
-        imported = assembly.hello is not None and assembly.hello.firmware == FIRMWARE
         for event in events:
             if isinstance(event, Block):
-                moment = event.first / assembly.rate if imported else record.time
+                moment = event.first / assembly.rate if assembly.origin == IMPORT else record.time
                 if speed > 0 and before is not None and moment > before:
                     time.sleep(min((moment - before) / speed, LONGEST_PAUSE_S))
                 before = moment

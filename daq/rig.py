@@ -3,7 +3,7 @@
 import time
 from contextlib import suppress
 
-from daq.budget import HOLD_FOR_S
+from daq.capture_settings import HOLD_FOR_S
 from daq.errors import BoardError, OperatorError, StationError
 from daq.link import WARN_S, Link
 from firmware_protocol import NO_SAMPLE, HelloRequest, Hold, Holder, HolderReason, HolderState, Release, Stop

@@ -7,7 +7,7 @@ recipe.toml     for an import, how the file was read
 results/        derived, can be made again
 manifest.json   checksums, counts, gaps, verdict
 .lock           while a process writes the session
-.NAME.MARK.new  the content of NAME that waits until the manifest names it, see `session_changes`
+.NAME.MARK.new  the content of NAME that waits until the manifest names it, see `manifest`
 
 Here sessions are listed, and made whole when the program that wrote them was killed.
 """
@@ -19,9 +19,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError, StorageError
-from daq.manifest import NAME as MANIFEST, verify
+from daq.manifest import NAME as MANIFEST, complete, is_cut_off, verify
 from daq.raw_log import MAX_LOG, Kind, Record, unpack
-from daq.session_changes import complete, is_cut_off
 from daq.session_folder import Session, make_inner
 from daq.session_info import SessionInfo, State
 from daq.session_reading import INFO, RAW, read_info

@@ -15,6 +15,8 @@ from daq.manifest import (
     Counts,
     FileEntry,
     Manifest,
+    commit,
+    complete,
     entry,
     is_plain_name,
     known_manifest,
@@ -25,7 +27,6 @@ from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
 from daq.sensor_faults import sensor_faults
-from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
 from daq.storage import (
@@ -56,7 +57,6 @@ class Session(SessionReader):
         super().__init__(folder, info)
         self.completed = completed
         self._lock = lock
-        self._is_new = False
 
     @classmethod
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
@@ -68,7 +68,7 @@ class Session(SessionReader):
         name = stored_name(info.name or folder.name)
         lock = Lock(folder)
         session = cls(folder, info.model_copy(update={"name": name}), lock)
-        session._is_new = make_folder(folder)
+        make_folder(folder)
         try:
             lock.acquire()
             require_empty(folder)  # another process may have made a session here in between
@@ -182,24 +182,17 @@ class Session(SessionReader):
         with self._writing():
             known = known_manifest(self.folder)
             assembly = self.assembly()
-            verdict, found = _judged(self.info, assembly, check_clock)
-            changes: dict[str, Any] = {
-                "state": state,
-                "reason": reason[:2000],
-                "verdict": verdict.grade.value,
-            }
+            wire = Counts(
+                planned=self.info.planned_samples or 0, resent=resent, damaged_frames=damaged_frames
+            )
+            judged = _judged(self.info, assembly, check_clock, wire)
+            verdict = judged["verdict"].grade.value
+            changes: dict[str, Any] = {"state": state, "reason": reason[:2000], "verdict": verdict}
             if assembly.origin != IMPORT:
                 changes["rate_std_hz"] = checked_rate(assembly, check_clock).std or None
             self.info = self.info.model_copy(update=changes)
-            counts = found.pop("counts", Counts()).model_copy(
-                update={
-                    "planned": self.info.planned_samples or 0,
-                    "resent": resent,
-                    "damaged_frames": damaged_frames,
-                }
-            )
             files = self._entries(known.files if known else {})
-            sealed = Manifest(state=state, files=files, counts=counts, verdict=verdict, **found)
+            sealed = Manifest(state=state, files=files, **judged)
             changed = {INFO: _to_bytes(self.info)}
             commit(self.folder, changed, sealed.with_files(changed))
             self.release()
@@ -216,11 +209,10 @@ class Session(SessionReader):
         self._give_back()
 
     def _give_back(self) -> None:
-        """Give the lock back and remove a new folder in which nothing is."""
+        """Give the lock back and remove the folder, in which nothing is."""
         self.release()
-        if self._is_new:
-            with suppress(OSError):
-                self.folder.rmdir()
+        with suppress(OSError):
+            self.folder.rmdir()
 
     def _entries(self, known: dict[str, FileEntry]) -> dict[str, FileEntry]:
         """Checksums of all files; the raw log's and the source's, once known, are never made again."""
@@ -273,21 +265,22 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
     )
 
 
-def _judged(info: SessionInfo, assembly: Assembly, check_clock: bool) -> tuple[Verdict, dict[str, Any]]:
-    """Return the verdict on a session's recording, and the counts, gaps and flags of it for the manifest."""
+def _judged(info: SessionInfo, assembly: Assembly, check_clock: bool, wire: Counts) -> dict[str, Any]:
+    """Return verdict, counts (those of the wire completed), gaps and flags of a session's recording for the manifest."""
     try:
         recording = assembly.recording()
     except DataLost:
-        return Verdict(grade=Grade.REJECT, reasons=("no sample was received",)), {}
+        return {"verdict": Verdict(grade=Grade.REJECT, reasons=("no sample was received",)), "counts": wire}
     sensors = sensor_faults(recording, assembly)
     verdict = judge(recording, assembly, info.planned_samples, info.noise, check_clock, sensors)
-    counts = Counts(
-        samples=len(recording.valid),
-        lost=int(len(recording.valid) - recording.valid.sum()),
-        frames=assembly.frames,
-        duplicates=assembly.samples.duplicates,
-    )
-    return verdict, {"counts": counts, "gaps": recording.gaps, "flags": sensors.runs}
+    counts = {
+        "samples": len(recording.valid),
+        "lost": int(len(recording.valid) - recording.valid.sum()),
+        "frames": assembly.frames,
+        "duplicates": assembly.samples.duplicates,
+    }
+    whole = wire.model_copy(update=counts)
+    return {"verdict": verdict, "counts": whole, "gaps": recording.gaps, "flags": sensors.runs}
 
 
 def make_inner(folder: Path) -> None:

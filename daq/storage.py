@@ -35,13 +35,11 @@ def refused(path: Path, error: OSError) -> StorageError:
     return StorageError(f"{path}: {error.strerror or error}; check the disk or name another folder")
 
 
-def make_folder(folder: Path) -> bool:
-    """Make a new folder for a session and return whether it is new; OperatorError when it holds something already."""
+def make_folder(folder: Path) -> None:
+    """Make a new folder for a session; OperatorError when it holds something already."""
     try:
-        is_new = not folder.is_dir()
         folder.mkdir(parents=True, exist_ok=True)
         require_empty(folder)
-        return is_new
     except FileExistsError as error:
         raise OperatorError(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:

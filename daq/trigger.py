@@ -1,4 +1,4 @@
-"""The trigger: a release is what free swings follow.
+"""Rest and release: how still the channels are before it, and the trigger. A release is what free swings follow.
 
 A pull is one slow swing, a bump of the table a small or short one, an unsteady grip an uneven one, so the
 trigger waits for three swings that shrink at an even period, and then looks back for the sample at which
@@ -8,17 +8,186 @@ the motion began. Nothing is lost by waiting: every sample is kept from START on
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
+from math import isnan
 
 import numpy as np
 
 from daq.recording import MOTIONS, Array, Channel
-from daq.rest_detection import Rest, primary, smallest_motion
-from daq.turning_points import FreeOscillation, TurningPoints
 
+SHARE_OF_RANGE = 0.01
+QUIET_S = 0.25
+QUIET_SAMPLES = 8
 TIMES_NOISE = 30.0
 TIMES_RESOLUTION = 10.0
 EDGE_TIMES_NOISE = 5.0
 EDGE_SHARE = 0.001
+REGULAR = 3
+GROWTH = 1.1
+SHRINK = 0.15
+UNEVEN = 1.67
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The noise (standard deviation) of each channel at rest, shape (channels,), channel's unit."""
+
+    noise: Array
+    samples: int
+
+
+def smallest_motion(channel: Channel, level: float | None = None) -> float:
+    """Return the swing in the channel's unit below which nothing is taken for a release.
+
+    `level` when given, else one per cent of the range, 0 when the range is unknown.
+    """
+    if level is not None:
+        return level
+    if channel.low is None or channel.high is None or not np.isfinite(channel.high - channel.low):
+        return 0.0
+    return SHARE_OF_RANGE * abs(channel.high - channel.low)
+
+
+def is_still(channel: Channel, samples: Array, level: float | None = None) -> bool:
+    """Check whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
+    white = float(np.median(np.abs(np.diff(samples)))) / 0.6745 / np.sqrt(2)
+    allowed = max(3 * white, channel.resolution or 0.0, 0.1 * smallest_motion(channel, level))
+    return bool(samples.std() <= allowed)
+
+
+class RestPeriod:
+    """Feed it blocks; `rest` is there once 0.25 s were still, and `complete` once `seconds` were."""
+
+    def __init__(
+        self, channels: tuple[Channel, ...], rate: float, seconds: float, level: float | None = None
+    ) -> None:
+        self.rest: Rest | None = None
+        self._channels = channels
+        self._level = level
+        self._quiet = max(round(QUIET_S * rate), QUIET_SAMPLES)
+        self._wanted = max(round(seconds * rate), self._quiet)
+        self._samples: Array = np.empty((len(channels), 0))
+
+    @property
+    def complete(self) -> bool:
+        """Whether the mass was still for the whole period."""
+        return self.rest is not None and self.rest.samples >= self._wanted
+
+    @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
+    def feed(self, samples: Array) -> None:
+        """Take a block, shape (channels, n); motion starts the period again."""
+        self._samples = np.concatenate((self._samples, samples), axis=1)[:, -self._wanted :]
+        n = self._samples.shape[1]
+        if n < self._quiet:
+            return
+        if not self._still(self._samples[:, -self._quiet :]):
+            self._samples = self._samples[:, -self._quiet + 1 :]
+            return
+        if not self._still(self._samples):
+            self._samples = self._samples[:, -self._quiet :]
+        self.rest = Rest(self._samples.std(axis=1), self._samples.shape[1])
+
+    def _still(self, samples: Array) -> bool:
+        pairs = [(c, row) for c, row in zip(self._channels, samples, strict=True) if c.quantity in MOTIONS]
+        levels = {primary(self._channels): self._level}
+        return all(is_still(channel, row, levels.get(channel.quantity)) for channel, row in pairs)
+
+
+def primary(channels: tuple[Channel, ...]) -> str | None:
+    """Return the quantity by which a release is seen first: displacement, velocity, then acceleration."""
+    present = {channel.quantity for channel in channels}
+    return next((quantity for quantity in MOTIONS if quantity in present), None)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turning point: sample index and value."""
+
+    index: int
+    value: float
+
+
+@dataclass(frozen=True)
+class FreeOscillation:
+    """Swings that shrink at an even period: `turns` from the first of them on, `half_period` in samples.
+
+    `crossing` is the sample at which the first of them was half done.
+    """
+
+    turns: tuple[Turn, ...]
+    crossing: int
+    half_period: float
+
+    @property
+    def size(self) -> float:
+        """The first swing from turn to turn."""
+        return abs(self.turns[1].value - self.turns[0].value)
+
+
+class TurningPoints:
+    """The turning points of one channel that are at least `threshold` apart (channel's unit).
+
+    `history` gives samples `first` to `stop - 1` of it again, NaN where one is missing.
+    """
+
+    def __init__(self, threshold: float, history: Callable[[int, int], Array]) -> None:
+        self.threshold = threshold
+        self._turns: list[Turn] = []
+        self._crossings: list[int] = []
+        self._low = self._high = Turn(-1, float("nan"))
+        self._direction = 0
+        self._history = history
+
+    def feed(self, first: int, samples: Array) -> FreeOscillation | None:
+        """Take samples, shape (n,), from index `first` on; return a free oscillation once three swings show it."""
+        found = None
+        for index, value in enumerate(samples.tolist(), first):
+            if not isnan(value) and self._step(index, value):
+                found = self._regular() or found
+        return found
+
+    def _step(self, index: int, value: float) -> bool:
+        """Take one sample; return whether a turning point before it is now certain."""
+        if self._low.index < 0:
+            self._low = self._high = Turn(index, value)
+        if value > self._high.value:
+            self._high = Turn(index, value)
+        if value < self._low.value:
+            self._low = Turn(index, value)
+        if self._direction >= 0 and self._high.value - value > self.threshold:
+            return self._turn(self._high, -1, Turn(index, value))
+        if self._direction <= 0 and value - self._low.value > self.threshold:
+            return self._turn(self._low, 1, Turn(index, value))
+        return False
+
+    def _turn(self, turn: Turn, direction: int, now: Turn) -> bool:
+        self._direction = direction
+        if self._turns:
+            self._crossings.append(self._crossing(self._turns[-1], turn))
+        self._low = self._high = now
+        self._turns = [*self._turns[-REGULAR:], turn]
+        self._crossings = self._crossings[-REGULAR:]
+        return True
+
+    def _crossing(self, before: Turn, after: Turn) -> int:
+        """The last sample before `after` on the near side of the middle between the two."""
+        path = self._history(before.index, after.index)
+        middle = (before.value + after.value) / 2
+        near = path <= middle if after.value > before.value else path > middle
+        return before.index + int(np.flatnonzero(near).max(initial=0))
+
+    def _regular(self) -> FreeOscillation | None:
+        """Return the last three swings if they shrink and their half periods agree."""
+        if len(self._turns) <= REGULAR:
+            return None
+        values = [turn.value for turn in self._turns]
+        sizes = [abs(b - a) for a, b in pairwise(values)]
+        if not all(SHRINK * a <= b <= GROWTH * a for a, b in pairwise(sizes)):
+            return None
+        times = [b - a for a, b in pairwise(self._crossings)]
+        if min(times) < 1 or max(times) > UNEVEN * min(times) + 2:
+            return None
+        return FreeOscillation(tuple(self._turns), self._crossings[0], sum(times) / len(times))
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ import numpy as np
 from daq.plain_text import distinct
 from daq.recording import Array, Channel, Recording
 
+NUMBERS = ("calibration_uncertainty", "resolution", "low", "high")
+"""What is known of a channel in numbers."""
+
 
 @dataclass(frozen=True, eq=False)
 class Exported:
@@ -28,15 +31,16 @@ class Exported:
         return np.asarray(np.where(self.recording.valid, self.recording.samples, np.nan))
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """One name a channel that is unlike the others, and that every format takes as a variable's name.
+    def channels(self) -> dict[str, Channel]:
+        """The channels, each by a name that is unlike the others, and that every format takes as a variable's name.
 
         The first channel of a quantity, which identification uses, has the quantity's name.
         """
         plain = (
             _identifier(c.name) if c.quantity == "other" else c.quantity for c in self.recording.channels
         )
-        return distinct(plain, "_", taken=("time", "valid"))
+        names = distinct(plain, "_", taken=("time", "valid"))
+        return dict(zip(names, self.recording.channels, strict=True))
 
     @property
     def all_facts(self) -> dict[str, str]:
@@ -55,16 +59,9 @@ class Exported:
             "unit": channel.unit,
             "recorded_as": channel.name,
             "sensor": channel.sensor,
-            "calibration_uncertainty": _number(channel.calibration_uncertainty),
-            "resolution": _number(channel.resolution),
-            "low": _number(channel.low),
-            "high": _number(channel.high),
         }
+        known |= {name: repr(value) for name in NUMBERS if (value := getattr(channel, name)) is not None}
         return {name: text for name, text in known.items() if text}
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else repr(value)
 
 
 def _identifier(text: str) -> str:

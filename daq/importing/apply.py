@@ -8,11 +8,10 @@ from typing import Final
 import numpy as np
 
 from daq.importing.bob import angle_of
-from daq.importing.errors import ImportProblem, problem
-from daq.importing.limits import require_few
+from daq.importing.errors import ImportProblem, problem, require_few
 from daq.importing.no_clock import NoClock
 from daq.importing.recipe import Column, Part, Recipe
-from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
+from daq.importing.runs import MOST_RUNS, of_each, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
@@ -69,17 +68,8 @@ def apply(table: Table, recipe: Recipe) -> tuple[Recording, ...]:
 
     A run that cannot be read is left out, and the notes of the others say why. Raises ImportProblem when none can.
     """
-    made: list[Recording] = []
-    refused: list[ImportProblem] = []
-    for run, fields in _runs(table, recipe):
-        try:
-            made += _recordings(run, fields, recipe)
-        except ImportProblem as refusal:
-            refused.append(refusal)
-    if not made:
-        raise refused[0]
-    left_out = tuple(f"a run was left out: {refusal}" for refusal in refused)
-    return tuple(replace(one, notes=(*one.notes, *left_out)) for one in made)
+    made, left_out = of_each(_runs(table, recipe), lambda run: _recordings(*run, recipe))
+    return tuple(replace(one, notes=(*one.notes, *left_out)) for parts in made for one in parts)
 
 
 def matched(table: Table, recipe: Recipe) -> dict[int, Column]:

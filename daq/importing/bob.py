@@ -6,7 +6,7 @@ from shlex import quote
 import numpy as np
 
 from daq.importing.column_numbers import amplitude, is_measurable
-from daq.importing.columns import meaning, split_unit, words
+from daq.importing.columns import split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table, named
@@ -78,7 +78,7 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
     if any(options.columns.get(q, NONE) != NONE for q in MOTIONS):
         return None
     numbers = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
-    if any(meaning(c.label, c.unit).angular or c.quantity in MOTIONS for c in numbers):
+    if any(c.said.angular or c.quantity in MOTIONS for c in numbers):
         return None
     x, y = ([c for c in numbers if axis in words(split_unit(c.label)[0])] for axis in "xy")
     if len(x) == len(y) == 1:

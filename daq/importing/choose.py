@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from daq.importing.column_numbers import amplitude, counts_rows, oscillation
-from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
+from daq.importing.columns import INDEX, Meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table, listed, named
-from daq.importing.units import COUNT
 from daq.recording import MOTIONS
 
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
@@ -31,17 +30,21 @@ _AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|v)?([xyz])(?: .*)?")
 REPEATS = 0.9999
 """Correlation from which on a column is another one in another unit."""
 
-_SOMETHING_ELSE = Meaning(None, 0, None, "", False, False, True)
-
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """A column taken as a quantity; `said` is what the file says of it, and `asked` whether an option named it."""
+    """A column taken as a quantity; `asked` whether an option named it."""
 
     quantity: str
     column: SourceColumn
-    said: Meaning
     asked: bool
+
+    @property
+    def said(self) -> Meaning:
+        """What the file says of the column, without a unit of something else."""
+        said = self.column.said
+        fits = said.unit is not None and said.unit.quantity in (None, self.quantity)
+        return said if fits else replace(said, unit=None, unit_text="")
 
 
 def choose_columns(
@@ -53,10 +56,7 @@ def choose_columns(
     Raises ImportProblem when an option names no column, or nothing is left that could be a motion.
     """
     labels = {c.label.strip() for c in table.columns} - {""}
-    meanings = {
-        c.number: _SOMETHING_ELSE if c.label[:1] == "d" and c.label.strip().lstrip("d") in labels else _meaning(c)
-        for c in table.columns
-    }  # fmt: skip
+    likely = [c for c in table.columns if c.label[:1] != "d" or c.label.strip().lstrip("d") not in labels]
     choices: dict[str, Choice] = {}
     for quantity, wanted in options.columns.items():
         if str(wanted).strip().lower() != NONE:
@@ -70,20 +70,24 @@ def choose_columns(
                     f"{column.place} cannot be both {other} and {quantity}",
                     "name another one for one of them",
                 )
-            choices[quantity] = _as_choice(quantity, column, meanings[column.number], asked=True)
+            choices[quantity] = Choice(quantity, column, asked=True)
     beside = any(quantity in choices for quantity in MOTIONS)
     for quantity in QUANTITIES:
         if quantity in options.columns or (quantity == "time" and options.rate is not None):
             continue
         taken = {choice.column.number for choice in choices.values()}
-        free = [c for c in table.columns if c.number not in taken]
-        found = _found(quantity, free, meanings, (notes, doubts), beside=beside)
+        free = [c for c in likely if c.number not in taken]
+        found = _found(quantity, free, notes, doubts, beside=beside)
         if found is None and quantity == "time" and table.rate is None and len(table.columns) > 1:
-            found = _rising(free, meanings, notes)
+            found = _rising(free, notes)
         if found is not None:
-            choices[quantity] = _as_choice(quantity, found, meanings[found.number], asked=False)
+            choices[quantity] = Choice(quantity, found, asked=False)
     if not any(quantity in choices for quantity in MOTIONS):
-        choices["displacement"] = _of_unknown_kind(table, options, meanings, choices, (notes, doubts))
+        taken = {choice.column.number for choice in choices.values()}
+        rest = [c for c in likely if c.number not in taken and c.said.quantity != "time"]
+        among_all = not any(quantity in options.columns for quantity in MOTIONS)
+        found = (_only_signal(rest, notes) if among_all else None) or _of_unknown_kind(table, rest, doubts)
+        choices["displacement"] = Choice("displacement", found, asked=False)
     return choices
 
 
@@ -94,41 +98,22 @@ def left_out(table: Table, choices: Mapping[str, Choice]) -> str:
     return f"not used: {listed(rest)}" if rest else ""
 
 
-def _meaning(column: SourceColumn) -> Meaning:
-    said = meaning(column.label, column.unit)
-    if column.quantity is None:
-        return replace(said, quantity="time", strength=2) if column.clock and not said.quantity else said
-    unit = said.unit if said.unit is not None and said.unit.quantity in (None, column.quantity) else None
-    return Meaning(column.quantity, 3, unit, said.unit_text, said.angular, False, False)
-
-
-def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
-    fits = said.unit is not None and said.unit.quantity in (None, quantity)
-    return Choice(quantity, column, said if fits else replace(said, unit=None, unit_text=""), asked)
-
-
 def _found(
-    quantity: str,
-    free: Sequence[SourceColumn],
-    meanings: Mapping[int, Meaning],
-    said: tuple[list[str], list[str]],
-    *,
-    beside: bool,
+    quantity: str, free: Sequence[SourceColumn], notes: list[str], doubts: list[str], *, beside: bool
 ) -> SourceColumn | None:
     """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
     that says so clearly.
     """
-    notes, doubts = said
     is_time = quantity == "time"
-    likely = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
+    likely = [c for c in free if c.said.quantity == quantity and np.isfinite(c.values).any()]
     if beside and not is_time:
-        likely = [c for c in likely if meanings[c.number].strength > 1]
-    likely = [c for c in likely if not meanings[c.number].derived] or likely
-    best = max((meanings[c.number].strength for c in likely), default=0)
-    likely = [c for c in likely if meanings[c.number].strength == best]
+        likely = [c for c in likely if c.said.strength > 1]
+    likely = [c for c in likely if not c.said.derived] or likely
+    best = max((c.said.strength for c in likely), default=0)
+    likely = [c for c in likely if c.said.strength == best]
     likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
-        likely = [c for c in likely if not c.clock] or likely if is_time else _moving(likely, meanings, notes)
+        likely = [c for c in likely if not c.clock] or likely if is_time else _moving(likely, notes)
     if len(likely) < 2 or all(np.array_equal(likely[0].values, c.values, equal_nan=True) for c in likely):
         return likely[0] if likely else None
     if beside and not is_time:
@@ -144,18 +129,16 @@ def _found(
     return first
 
 
-def _moving(
-    columns: Sequence[SourceColumn], said: Mapping[int, Meaning], notes: list[str]
-) -> list[SourceColumn]:
+def _moving(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceColumn]:
     """Return those of several columns that could be meant: no axis or channel that stands still beside one of its kind, in
     one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
     """
-    sensor = _axes_of_a_sensor(columns, said)
-    kinds = {c.number: (("",) if sensor else _kind(c), said[c.number].unit_text) for c in columns}
+    sensor = _axes_of_a_sensor(columns)
+    kinds = {c.number: (("",) if sensor else _kind(c), c.said.unit_text) for c in columns}
     of_one_point = len(set(kinds.values())) == 1
     several = AXIS_MOVES if of_one_point else np.inf
     kept: list[SourceColumn] = []
-    for column in sorted(columns, key=lambda c: (not said[c.number].angular, c.number)):
+    for column in sorted(columns, key=lambda c: (not c.said.angular, c.number)):
         alike = [c for c in columns if kinds[c.number] == kinds[column.number]]
         first = max(alike, key=lambda c: amplitude(c.values))
         kind = kinds[column.number][0][0]
@@ -172,11 +155,11 @@ def _moving(
     return [c for c in columns if c in kept]
 
 
-def _axes_of_a_sensor(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> bool:
+def _axes_of_a_sensor(columns: Sequence[SourceColumn]) -> bool:
     """Check whether the columns are the three axes of one sensor of a velocity or an acceleration."""
     names = [" ".join(words(split_unit(c.label)[0])) for c in columns]
     axes = sorted(match[1] if (match := _AXIS.fullmatch(name)) else "" for name in names)
-    return axes == ["x", "y", "z"] and said[columns[0].number].quantity in ("velocity", "acceleration")
+    return axes == ["x", "y", "z"] and columns[0].said.quantity in ("velocity", "acceleration")
 
 
 def _kind(column: SourceColumn) -> tuple[str, ...]:
@@ -196,12 +179,10 @@ def _repeats(column: SourceColumn, other: SourceColumn) -> bool:
     return abs(float(np.corrcoef(x, y)[0, 1])) > REPEATS
 
 
-def _rising(
-    free: Sequence[SourceColumn], meanings: Mapping[int, Meaning], notes: list[str]
-) -> SourceColumn | None:
+def _rising(free: Sequence[SourceColumn], notes: list[str]) -> SourceColumn | None:
     """Return the first column that could be anything by its name and rises evenly from end to end, as no motion does."""
     for column in free:
-        said, name = meanings[column.number], set(words(column.label))
+        said, name = column.said, set(words(column.label))
         if said.unit is not None or said.strength > 1 or said.other or name & INDEX:
             continue
         if rises_evenly(column) and not counts_rows(column.values):
@@ -222,38 +203,30 @@ def _name(column: SourceColumn) -> str:
     return label if 0 < len(label) <= 30 else str(column.number)
 
 
-def _of_unknown_kind(
-    table: Table,
-    options: ImportOptions,
-    meanings: Mapping[int, Meaning],
-    choices: Mapping[str, Choice],
-    said: tuple[list[str], list[str]],
-) -> Choice:
-    """Return a displacement of which nothing says so: the only signal in counts, volts or pixels, else, with a doubt, the
-    column that oscillates most. Raises ImportProblem where there is none beside the time.
+def _only_signal(rest: Sequence[SourceColumn], notes: list[str]) -> SourceColumn | None:
+    """Return the only signal in counts, volts or pixels, which must be the displacement."""
+    signals = [c for c in rest if c.said.unit and c.said.unit.si in ("count", "V", "px") and not c.said.other]
+    if len(signals) != 1:
+        return None
+    notes.append(f"{signals[0].place} is the only signal beside the time: it was taken as the displacement")
+    return signals[0]
+
+
+def _of_unknown_kind(table: Table, rest: Sequence[SourceColumn], doubts: list[str]) -> SourceColumn:
+    """Return the column that oscillates most, in counts where it names no unit, as a displacement of which nothing says so,
+    with a doubt. Raises ImportProblem where there is none beside the time.
     """
-    notes, doubts = said
-    taken = {choice.column.number for choice in choices.values()}
-    rest = [c for c in table.columns if c.number not in taken and meanings[c.number].quantity != "time"]
-    units = {c.number: meanings[c.number].unit for c in rest if not meanings[c.number].other}
-    signals = [c for c in rest if (unit := units.get(c.number)) and unit.si in ("count", "V", "px")]
-    if len(signals) == 1 and not any(quantity in options.columns for quantity in MOTIONS):
-        column = signals[0]
-        notes.append(f"{column.place} is the only signal beside the time: it was taken as the displacement")
-    else:
-        rest = [c for c in rest if oscillation(c.values) > 0.0] or rest
-        if not rest:
-            raise problem(
-                table.path, "holds no column beside the time",
-                "name a file with a displacement, velocity or acceleration",
-            )  # fmt: skip
-        column = _most(rest)
-        which = f"whether {rest[0].place} is" if len(rest) == 1 else f"which {rest[0].noun} is"
-        which += " a displacement, velocity or acceleration" + (f": {listed(rest)}" if len(rest) > 1 else "")
-        doubts.append(
-            f"nothing says {which}; "
-            f"say it and its unit (mm, deg, V ...), as in {ask('displacement', _name(column))} --unit displacement=mm"
-        )
-    meant = meanings[column.number]
-    meant = meant if meant.unit is not None else replace(meant, unit=COUNT, unit_text="counts")
-    return _as_choice("displacement", column, meant, asked=False)
+    rest = [c for c in rest if oscillation(c.values) > 0.0] or rest
+    if not rest:
+        raise problem(
+            table.path, "holds no column beside the time",
+            "name a file with a displacement, velocity or acceleration",
+        )  # fmt: skip
+    column = _most(rest)
+    which = f"whether {rest[0].place} is" if len(rest) == 1 else f"which {rest[0].noun} is"
+    which += " a displacement, velocity or acceleration" + (f": {listed(rest)}" if len(rest) > 1 else "")
+    doubts.append(
+        f"nothing says {which}; "
+        f"say it and its unit (mm, deg, V ...), as in {ask('displacement', _name(column))} --unit displacement=mm"
+    )
+    return column if column.said.unit is not None else replace(column, unit="counts")

@@ -1,10 +1,27 @@
-"""What the numbers of a column show: whether they move or oscillate, and to which step they were rounded."""
+"""What the numbers of columns show: whether they move or oscillate, their rounding, which was computed from another."""
 
 import numpy as np
 
-from daq.recording import Array
+from daq.recording import Array, runs
 
 LARGEST = 1e100
+MIN_ROWS = 40
+MAX_ROWS = 40_000
+PREDICTED = 0.6
+"""Share of a channel's noise that is left at most where a difference of its source predicts the noise."""
+VISIBLE = 3.0
+"""So many times what a smooth oscillation leaves in them must be in the sixth differences, to be noise."""
+STRAY = 3.0
+"""So many times the usual rest a row may be off and still say how large a difference is."""
+FINEST = 1e-5
+"""Share of its range to which a logger that writes six digits rounds a number."""
+FIRST = (
+    (-1.0, 1.0, 0.0),
+    (0.0, -1.0, 1.0),
+    (-0.5, 0.0, 0.5),
+    (-1 / 6, -1 / 6, 0.0, 1 / 6, 1 / 6),
+    *(tuple(3.0 * k / (m * (m + 1) * (2 * m + 1)) for k in range(-m, m + 1)) for m in (2, 3, 4, 5, 6)),
+)
 
 
 def is_measurable(values: Array) -> bool:
@@ -73,3 +90,47 @@ def quantum(values: Array) -> float:
                 return step
         exponent -= 1
     return floor
+
+
+def is_difference(source: Array, channel: Array, order: int) -> bool:
+    """Check whether `channel` was computed as the derivative of that `order` of `source`, in whatever units.
+
+    A logger's derivative repeats the noise of its source: one fixed finite difference of the source predicts it. A second
+    sensor has a noise of its own, which nothing in the source predicts. The differences that loggers use are tried.
+    Both have shape (n,), NaN where there is no number. No more than rounding may be left beside the difference: two sensors
+    that share a high mode leave more. False also where no noise is seen, or there are too few samples.
+    """
+    known = runs(np.isfinite(source) & np.isfinite(channel))
+    start, stop = max(known, key=lambda run: run[1] - run[0], default=(0, 0))
+    x, y = (values[start : min(stop, start + MAX_ROWS)] for values in (source, channel))
+    if len(x) < MIN_ROWS or not (0.0 < np.ptp(x) < 1e100 and 0.0 < np.ptp(y) < 1e100):
+        return False
+    steps = max(quantum(x) / np.ptp(x), FINEST), max(quantum(y) / np.ptp(y), FINEST)
+    x, y = (x - x.mean()) / np.ptp(x), y / np.ptp(y)
+    if _noise(y) < VISIBLE * _of_motion(y):
+        return False
+    kernels = FIRST if order == 1 else ((1.0, -2.0, 1.0), *(np.convolve(k, k) for k in FIRST))
+    for kernel in map(np.array, kernels):
+        reach = len(kernel) // 2
+        made, target = np.convolve(x, kernel[::-1], "valid"), y[reach : len(y) - reach]
+        gain, rest = 0.0, np.zeros(len(made))
+        for _ in range(2):  # without the rows where the logger's own steps of time differ
+            usual = np.abs(rest) <= STRAY * np.median(np.abs(rest))
+            gain = float(made[usual] @ target[usual]) / max(float(made[usual] @ made[usual]), 1e-300)
+            rest = target - gain * made
+        rounding = np.hypot(steps[1], gain * steps[0] * np.linalg.norm(kernel)) / np.sqrt(12.0)
+        if _noise(rest) < PREDICTED * _noise(target) and np.median(np.abs(rest)) < rounding:
+            return True
+    return False
+
+
+def _noise(values: Array) -> float:
+    """Return the standard deviation of the white noise that has the same sixth differences, but for a few strays."""
+    return float(np.median(np.abs(np.diff(values, 6))) / 0.6745 / np.sqrt(924.0))
+
+
+def _of_motion(values: Array) -> float:
+    """Return what an oscillation at the strongest frequency leaves in the sixth differences, as such a noise."""
+    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
+    frequency = min(float(np.argmax(power[1:]) + 1) / len(values), 0.5)
+    return float(np.std(values) * (2.0 * np.sin(np.pi * frequency)) ** 6 / np.sqrt(924.0))

@@ -10,8 +10,7 @@ from itertools import accumulate
 from pathlib import Path
 
 from daq.importing import recipe
-from daq.importing.errors import problem
-from daq.importing.limits import MAX_LINES, MAX_TEXT, require_few, require_size
+from daq.importing.errors import MAX_LINES, MAX_TEXT, problem, require_few, require_size
 from daq.importing.numbers import parse_clock, parse_number
 
 BLANK = " "

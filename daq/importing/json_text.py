@@ -4,16 +4,13 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from daq.importing.errors import problem
-from daq.importing.limits import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, require_size, require_table
-from daq.importing.numbers import parse_clock, parse_number
-from daq.importing.rates import rate_of
+from daq.importing.errors import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, problem, require_size, require_table
+from daq.importing.numbers import parse_clock, parse_number, rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -26,13 +23,8 @@ DEEPEST_TABLE, DEEPEST = 5, 20
 _UNITS = re.compile(r"(.*\S)[\s_-]+units?|units?[\s_-]+(?:of[\s_-]+)?(.*\S)", re.I)
 
 
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """A table: the path of keys it stands under, `a.2.b`, the names of its columns ("" without), their numbers."""
-
-    path: str
-    names: tuple[str, ...]
-    columns: tuple[Array, ...]
+Columns = list[tuple[str, Array]]
+"""The columns of a table: the name of each ("" without), and its numbers."""
 
 
 def is_json(data: bytes) -> bool:
@@ -54,42 +46,31 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         )  # fmt: skip
     document = _document(path, data, recipe.encoding)
     wanted = recipe.dialect
-    tables = list(_tables_in(_way(document, wanted.property or "")[-1], wanted.property or "", 0))
+    tables = dict(_tables_in(_way(document, wanted.property or "")[-1], wanted.property or "", 0))
     if not tables:
         raise problem(
             path, f"holds no table of numbers{f' under {wanted.property!r}' if wanted.property else ''}",
             'give rows, records or columns under one key, as {"data": [[0.0, 1.2], ...]}',
         )  # fmt: skip
-    found = max(tables, key=lambda table: len(table.columns[0]) * len(table.columns))
-    require_table(path, len(found.columns[0]), len(found.columns))
+    key, found = max(tables.items(), key=lambda table: len(table[1]) * len(table[1][0][1]))
+    rows = len(found[0][1])
+    require_table(path, rows, len(found))
     settings: dict[str, Any] = {}
-    for node in _way(document, found.path):
+    for node in _way(document, key):
         settings |= dict(_scalars(node))
     units = [(m, value) for name, value in settings.items() if (m := _UNITS.fullmatch(name))]
     unit_of = {(m[1] or m[2]).strip().casefold(): str(value).strip() for m, value in reversed(units)}
-    made = [
+    columns = tuple(
         SourceColumn(i, name, values, unit_of.get(name.casefold(), ""))
-        for i, (name, values) in enumerate(zip(found.names, found.columns, strict=True), start=1)
-    ]
-    note = f"JSON{f', key {found.path!r}' if found.path else ''}: {len(found.columns[0])} rows, {len(made)} columns"
-    others = tuple(
-        f"not read: the table under {t.path!r}; property in a recipe's dialect names it"
-        for t in tables
-        if t is not found
+        for i, (name, values) in enumerate(found, start=1)
     )
-    used = wanted.model_copy(update={"property": found.path if 0 < len(found.path) <= LONGEST_NAME else None})
-    rate, source = rate_of(settings)
+    notes = [f"JSON{f', key {key!r}' if key else ''}: {rows} rows, {len(columns)} columns"]
+    others = [other for other in tables if other != key][:MOST_NAMED]
+    notes += [f"not read: the table under {k!r}; property in a recipe's dialect names it" for k in others]
+    used = wanted.model_copy(update={"property": key if 0 < len(key) <= LONGEST_NAME else None})
     return Table(
-        path,
-        tuple(made),
-        None,
-        rate,
-        source,
-        (note, *others[:MOST_NAMED]),
-        format="json",
-        encoding=recipe.encoding,
-        dialect=used,
-    )
+        path, columns, None, *rate_of(settings), tuple(notes), format="json", encoding=recipe.encoding, dialect=used
+    )  # fmt: skip
 
 
 def _document(path: Path, data: bytes, encoding: str | None) -> Any:
@@ -127,16 +108,16 @@ def _members(node: Any) -> list[tuple[str, Any]]:
     )
 
 
-def _tables_in(node: Any, path: str, depth: int) -> Iterator[_Found]:
-    """Yield the tables at and below a node; one that is a table itself holds no others."""
+def _tables_in(node: Any, path: str, depth: int) -> Iterator[tuple[str, Columns]]:
+    """Yield the tables at and below a node by the path of keys, `a.2.b`; one that is a table itself holds no others."""
     if columns := _columns(node):
-        yield _Found(path, tuple(name for name, _ in columns), tuple(values for _, values in columns))
+        yield path, columns
     elif depth < DEEPEST_TABLE:
         for name, value in _members(node):
             yield from _tables_in(value, f"{path}.{name}" if path else name, depth + 1)
 
 
-def _columns(node: Any) -> list[tuple[str, Array]]:
+def _columns(node: Any) -> Columns:
     """Return the columns of numbers of one length that a node itself holds, with their names; none where it is no table."""
     made = [(name, numbers) for name, cells in _cells(node) if (numbers := _numbers(cells)) is not None]
     lengths = Counter(len(values) for _, values in made)

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from daq.importing import mat_reader
-from daq.importing.errors import problem
-from daq.importing.limits import MAX_NUMBERS, require_table
-from daq.importing.rates import rate_of
+from daq.importing.errors import MAX_NUMBERS, problem, require_table
+from daq.importing.numbers import rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table, common_length
 from daq.plain_text import one_line

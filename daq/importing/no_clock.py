@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import ImportProblem, place
-from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -26,10 +25,6 @@ class NoClock(ImportProblem):
     def __init__(self, where: str, sentence: str, remedy: Mapping[str, Any], done: str = "") -> None:
         super().__init__(f"{where}: {sentence}")
         self.remedy, self.done = remedy, done
-
-    def mended(self, recipe: Recipe) -> Recipe:
-        """Return a recipe with the remedy."""
-        return recipe.model_copy(update=dict(self.remedy))
 
 
 def begins_again(table: Table, column: SourceColumn, time: Array, rows: NDArray[np.int64]) -> ImportProblem:

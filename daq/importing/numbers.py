@@ -1,8 +1,8 @@
-"""Numbers, empty cells and times of day as people's files hold them."""
+"""Numbers, empty cells, times of day and sampling rates as people's files hold them."""
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,28 @@ _PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d{1,4})?")
 _CLOCK = re.compile(
     r"(?:\d{1,4}([-/.])\d{1,2}\1\d{1,4}[T ]\s*)?(?:(\d{1,4}):)?(\d{1,2}):(\d{1,2}(?:[.,]\d{1,9})?)\s*(?:Z|[-+]\d\d:?\d\d)?"
 )
+_NUMBER = r"([-+]?\d[\d.]*(?:[,.]\d+)?(?:[eE][-+]?\d+)?)"
+_RATE_NAMES = (
+    r"sampl\w*[\s_-]*(?:rate|freq\w*)|samplerate|abtastrate|abtastfrequenz|fr[eé]quence\s+d.[eé]chantillonnage|"
+    r"frecuencia\s+de\s+muestreo|frequenza\s+di\s+campionamento|frame[\s_-]*rate|bildrate|\bfps\b|\bfs\b"
+)
+_STEP_NAMES = (
+    r"sampl\w*[\s_-]*(?:interval|period|time|step)|abtastintervall|abtastzeit|time[\s_-]*step|zeitschritt|"
+    r"\bdt\b|\bts\b|\bdelta[\s_-]?[tx]\b"
+)
+_RATE = re.compile(rf"(?:{_RATE_NAMES})\W*?{_NUMBER}\s*(k?Hz)?", re.I)
+_BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|samples/s|fps)", re.I)
+_FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
+_STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
+_ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
+_RATE_SETTING = re.compile(
+    rf"(?:{_RATE_NAMES}|rate|actual_?rate|f_?samp(?:le)?|sr)(?:[\s_-]*\(?k?hz\)?)?", re.I
+)
+_STEP_SETTING = re.compile(
+    rf"(?:{_STEP_NAMES}|tsample|time[\s_-]*(?:interval|period))(?:[\s_-]*\(?m?s\)?)?", re.I
+)
+LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
+_STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 
 
 def parse_number(text: str, decimal: str = ".") -> float | None:
@@ -76,3 +98,35 @@ def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
             continue
         values[i] = number
     return Parsed(values, bad, clocks > len(cells) // 2)
+
+
+def rate_in(line: str, decimal: str) -> float | None:
+    """Return the sampling rate (Hz) that a line of text names, or None."""
+    for form in (_RATE, _BARE_RATE, _FRAMES, _STEP, _ALONE):
+        match = form.fullmatch(line) if form is _ALONE else form.search(line)
+        number = parse_number(match[1], "," if decimal == "," else ".") if match else None
+        if match is None or number is None or not 0.0 < number < 1e9:
+            continue
+        unit = (match[2] or "").lower() if form is not _FRAMES else ""
+        if form is _STEP:
+            step = number * _STEP_SCALE.get(unit, 1.0)
+            if step > LONGEST_STEP or line[match.end(1) : match.end(1) + 1] in (":", "-", "/"):
+                continue
+            return 1.0 / step
+        return number * (1e3 if unit == "khz" else 1.0)
+    return None
+
+
+def rate_of(settings: Mapping[str, float | str]) -> tuple[float | None, str]:
+    """Return the sampling rate (Hz) among named settings, and which it is; None and "" where there is none."""
+    for whole, value in settings.items():
+        number = parse_number(value) if isinstance(value, str) else value
+        name = whole.rpartition(".")[2].strip().lower()
+        if number is None or isinstance(number, bool) or not 0.0 < number < 1e9:
+            continue
+        if _RATE_SETTING.fullmatch(name):
+            return float(number) * (1e3 if "khz" in name else 1.0), f"'{whole}'"
+        if _STEP_SETTING.fullmatch(name):
+            step = float(number) * (1e-3 if name.endswith(("ms", "ms)")) else 1.0)
+            return 1.0 / step, f"'{whole}' (a sampling interval of {step:g} s)"
+    return None, ""

@@ -10,16 +10,15 @@ import numpy as np
 
 from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
-from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, left_out
-from daq.importing.column_numbers import is_offset
-from daq.importing.derived import is_difference
+from daq.importing.column_numbers import is_difference, is_measurable, is_offset
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.options import ImportOptions
+from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
-from daq.importing.runs import find_runs
-from daq.importing.table import Table
+from daq.importing.runs import find_runs, of_each
+from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import guess_time_unit
+from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
 
 DERIVATIVES = (
@@ -27,6 +26,16 @@ DERIVATIVES = (
     ("velocity", "acceleration", 1),
     ("displacement", "acceleration", 2),
 )
+
+DEGREES = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
+TURN = 2.0 * float(np.pi)
+MOST_DEGREES = 720.0
+"""No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
+
+_EXAMPLES = {
+    "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
+    "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
+}  # fmt: skip
 
 Notes = Mapping[str, tuple[str, ...]]
 
@@ -69,17 +78,8 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     """
     found = find_runs(table, options)
     chosen = _chosen(table, found, options)
-    made: list[_Run] = []
-    refused: list[ImportProblem] = []
-    turns = units_of_angles(chosen)
-    for run in chosen:
-        try:
-            made.append(_settled(run, options, turns))
-        except ImportProblem as refusal:
-            refused.append(refusal)
-    if not made:
-        raise refused[0]
-    left = tuple(f"a run was left out: {refusal}" for refusal in refused)
+    turns = _units_of_angles(chosen)
+    made, left = of_each(chosen, lambda run: _settled(run, options, turns))
     derived = {} if options.keep_derived else _derived(made)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
     made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
@@ -145,16 +145,14 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     choices = choose_columns(table, options, notes, doubts)
     label = choices["displacement"].column.label if "displacement" in choices else ""
     assumed = options.units.get("displacement", turns.get(label, "rad"))
-    angular = assumed if is_angle(choices, options) else ""
-    units = {q: unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
-    choices = of_one_kind(choices, {q: unit for q, (unit, _) in units.items()}, notes, doubts)
-    if options.rate is not None and (time := choices.pop("time", None)) is not None and time.asked:
-        raise problem(table.path, "a time column and a rate were both given", "give one of them")
-    fields: dict[str, tuple[Column, ...]] = {
-        q: _fields(choices[q], units[q][1]) for q in ORDER if q in choices
-    }
+    angular = assumed if _is_angle(choices, options) else ""
+    units = {q: _unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
+    choices = _of_one_kind(choices, units, notes, doubts)
     if "time" in choices:
-        fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
+        if options.rate is not None:
+            raise problem(table.path, "a time column and a rate were both given", "give one of them")
+        units["time"] = _unit_of(table, choices["time"], options, "", notes)
+    fields = {q: _fields(choices[q], unit) for q, unit in units.items() if q in choices}
     pull = choices.get("acceleration")
     if pull is not None and not options.keep_offset and is_offset(pull.column.values):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
@@ -165,16 +163,6 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     notes += filter(None, [left_out(table, choices)])
     listed = [field for several in fields.values() for field in several]
     return _Run(run, choices, tuple(listed), tuple(notes), tuple(doubts))
-
-
-def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
-    if "time" in options.units or time.said.unit is not None:
-        return unit_of(table, time, options, "", notes)[1]
-    unit, why = guess_time_unit(time.column)
-    clock = "; times of day"
-    assumed = f"; it names no unit: {why} (change it with --unit time=...)"
-    notes.append(f"{time.column.place} read as time{clock if time.column.clock else assumed}")
-    return unit
 
 
 def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
@@ -203,9 +191,93 @@ def _derived(runs: Sequence[_Run]) -> dict[str, str]:
 
 def _left_out(run: _Run, derived: Mapping[str, str]) -> list[str]:
     """Return a sentence on each derived channel of a run."""
-    columns = {quantity: choice.column for quantity, choice in run.choices.items()}
     return [
-        f"{columns[quantity].place} was left out: {why} (--keep-derived keeps it)"
+        f"{run.choices[quantity].column.place} was left out: {why} (--keep-derived keeps it)"
         for quantity, why in derived.items()
-        if quantity in columns
+        if quantity in run.choices
     ]
+
+
+def _units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
+    """Return the unit of angles that name none by their labels, one for all runs of a file: deg or counts where one run
+    swings by more than half a turn in rad to either side, since few rigs do; others are in rad.
+    """
+    swings: dict[str, float] = {}
+    for column in (c for table in tables for c in table.columns if c.bad is None):
+        said = column.said
+        if said.quantity == "displacement" and said.angular and said.unit is None:
+            swings[column.label] = max(swings.get(column.label, 0.0), _swing(column))
+    return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}
+
+
+def _swing(column: SourceColumn) -> float:
+    """Return the swing of a column about its median, 0 without numbers of a sensible size."""
+    finite = column.values[np.isfinite(column.values)]
+    if not is_measurable(finite):
+        return 0.0
+    return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
+
+
+def _is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
+    """Check whether channels without a unit are angles: an option's unit decides, else the headers."""
+    asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
+    known = [unit for unit in asked if unit is not None and unit.quantity is not None]
+    return any(unit.angular for unit in known) if known else any(c.said.angular for c in choices.values())
+
+
+def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, notes: list[str]) -> str:
+    """Return the unit of a channel as it is spelled: from the options, the header, or SI by default, and note which.
+
+    `turns` is the unit of angles that name none, "" where the channels are none.
+    """
+    quantity, place, text = choice.quantity, choice.column.place, options.units.get(choice.quantity)
+    written = choice.said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
+    if text is not None:
+        unit = parse_scaled_unit(text)
+        if unit is None or unit.quantity not in (None, quantity):
+            raise problem(
+                table.path, f"'{text}' is no unit of {quantity} that is known here",
+                f"give one of {_EXAMPLES[quantity]}",
+            )  # fmt: skip
+        other = choice.said.unit is not None and choice.said.unit != unit
+        notes.append(
+            f"{place} read as {quantity} in {text}, as asked"
+            + (f", though its header says {written}" if other else "")
+        )
+        return text
+    asked = ", chosen by the options" if choice.asked else ""
+    if choice.said.unit is not None:
+        notes.append(f"{place} read as {quantity} in {written}{asked}")
+        return choice.said.unit_text
+    if quantity == "time":
+        spelled, why = guess_time_unit(choice.column)
+        assumed = f"; it names no unit: {why} (change it with --unit time=...)"
+        notes.append(f"{place} read as time{'; times of day' if choice.column.clock else assumed}")
+        return spelled
+    spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
+    if turns == "counts" and quantity == "displacement":
+        spelled = "counts"
+    elif quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
+        spelled = DEGREES[quantity]
+    notes.append(
+        f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed (change it with --unit {quantity}=...)"
+    )
+    return spelled
+
+
+def _of_one_kind(
+    choices: Mapping[str, Choice], spelled: Mapping[str, str], notes: list[str], doubts: list[str]
+) -> dict[str, Choice]:
+    """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
+    units = {q: parse_scaled_unit(text) or SI_LINEAR[q] for q, text in spelled.items()}
+    kinds = [q for q in QUANTITIES[1:] if q in choices and units[q].quantity is not None]
+    lead = next((q for q in kinds if choices[q].asked), kinds[0] if kinds else "")
+    left = [q for q in kinds if units[q].angular != units[lead].angular]
+    for quantity in left:
+        said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
+        notes.append(
+            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
+        )
+        if choices[quantity].asked == choices[lead].asked:
+            doubts.append(f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)})")
+    return {q: choice for q, choice in choices.items() if q not in left}

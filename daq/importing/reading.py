@@ -6,9 +6,8 @@ from shlex import quote
 
 from daq.importing.apply import apply
 from daq.importing.csv_text import read_csv
-from daq.importing.errors import problem
+from daq.importing.errors import MAX_BYTES, problem, require_size
 from daq.importing.json_text import is_json, read_json
-from daq.importing.limits import MAX_BYTES, require_size
 from daq.importing.matlab import is_matlab, read_matlab
 from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
@@ -70,7 +69,7 @@ class Look:
         try:
             made = apply(self.table, proposal.recipe)
         except NoClock as refusal:
-            recipe = refusal.mended(proposal.recipe)
+            recipe = proposal.recipe.model_copy(update=dict(refusal.remedy))
             settled = recipe != proposal.recipe
             if not settled and (accept or refusal.remedy):
                 raise

@@ -18,8 +18,7 @@ from pydantic import (
     model_validator,
 )
 
-from daq.importing.errors import problem
-from daq.importing.limits import LONGEST_NAME, MAX_COLUMNS, MAX_LINES, MAX_RECIPE, require_size
+from daq.importing.errors import LONGEST_NAME, MAX_COLUMNS, MAX_LINES, MAX_RECIPE, problem, require_size
 from daq.importing.units import parse_scaled_unit
 from daq.plain_text import Line, first_fault
 

@@ -1,17 +1,21 @@
 """Several releases side by side in one table: the columns of each, told by their names."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.importing.columns import meaning, split_unit, words
+from daq.importing.columns import split_unit, words
+from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
 
+T = TypeVar("T")
+Made = TypeVar("Made")
 Named = tuple[str, str]
 FEWEST_ROWS = 8
 MOST_RUNS = 1000
@@ -103,6 +107,20 @@ def rises_evenly(column: SourceColumn) -> bool:
     return bool(np.all(steps >= 0.0) and 0.0 < np.max(steps) < 20.0 * np.mean(steps))
 
 
+def of_each(runs: Iterable[T], make: Callable[[T], Made]) -> tuple[list[Made], tuple[str, ...]]:
+    """Return what is made of each run, and a sentence for each that is left out. ImportProblem when nothing is made."""
+    made: list[Made] = []
+    refused: list[ImportProblem] = []
+    for run in runs:
+        try:
+            made.append(make(run))
+        except ImportProblem as refusal:
+            refused.append(refusal)
+    if not made:
+        raise refused[0]
+    return made, tuple(f"a run was left out: {refusal}" for refusal in refused)
+
+
 def pieces(table: Table, columns: Sequence[SourceColumn], by: SourceColumn, *, counted: bool) -> list[Table]:
     """Return the runs that stand below one another: where the column `by` that counts them changes, or as a time falls."""
     steps = np.diff(by.values)
@@ -136,7 +154,7 @@ def _accepted(
 
 
 def _is_time(column: SourceColumn) -> bool:
-    return column.clock or (column.quantity or meaning(column.label, column.unit).quantity) == "time"
+    return column.clock or column.said.quantity == "time"
 
 
 def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> NDArray[np.int64]:

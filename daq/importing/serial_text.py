@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from daq.importing.limits import MAX_SENTENCES, require_few
+from daq.importing.errors import MAX_SENTENCES, require_few
 from daq.importing.recipe import Format
 from daq.importing.units import parse_unit
 

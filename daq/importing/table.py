@@ -3,13 +3,13 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from daq.importing.errors import problem
-from daq.importing.limits import LONGEST_NAME
+from daq.importing.columns import Meaning, meaning
+from daq.importing.errors import LONGEST_NAME, problem
 from daq.importing.recipe import Dialect, Format, Recipe
 from daq.recording import Array
 
@@ -39,6 +39,15 @@ class SourceColumn:
         object.__setattr__(self, "values", np.where(np.isfinite(values), values, np.nan))
         object.__setattr__(self, "label", self.label[:LONGEST_NAME])
         object.__setattr__(self, "unit", self.unit[:LONGEST_NAME])
+
+    @property
+    def said(self) -> Meaning:
+        """What the file says of this column: the format itself, else its header."""
+        said = meaning(self.label, self.unit)
+        if self.quantity is None:
+            return replace(said, quantity="time", strength=2) if self.clock and not said.quantity else said
+        unit = said.unit if said.unit is not None and said.unit.quantity in (None, self.quantity) else None
+        return Meaning(self.quantity, 3, unit, said.unit_text, said.angular, False, False)
 
     @property
     def place(self) -> str:

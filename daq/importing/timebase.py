@@ -33,9 +33,8 @@ DAY = 86400.0
 class Timebase:
     """An even clock for the rows of a table.
 
-    `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps, or where these do not show when a row was read); if
-    `resampled` the samples are those of a curve through them.
+    `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`. With `stamps` (m,), the times
+    in s from sample 0 at which the rows were read, the samples are those of a curve through them.
     """
 
     rate: float
@@ -45,7 +44,6 @@ class Timebase:
     count: int
     stamps: Array | None = None
     notes: tuple[str, ...] = ()
-    resampled: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -126,9 +124,8 @@ def from_stamps(
         rows=rows,
         index=index,
         count=int(index[-1]) + 1,
-        stamps=None if rebuilt else time - start,
+        stamps=time - start if resampled else None,
         notes=tuple(notes),
-        resampled=bool(resampled),
     )
 
 
@@ -289,7 +286,7 @@ def on_clock(values: Array, clock: Timebase) -> tuple[Array, Mask]:
     samples = np.full((len(values), clock.count), np.nan)
     samples[:, clock.index] = values
     valid[clock.index] = there
-    if not clock.resampled or clock.stamps is None or np.count_nonzero(there) < 4:
+    if clock.stamps is None or np.count_nonzero(there) < 4:
         return samples, valid
     return _resampled(values[:, there], clock.stamps[there], clock)
 

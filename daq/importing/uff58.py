@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.importing.errors import ImportProblem, problem
-from daq.importing.limits import require_few
+from daq.importing.errors import ImportProblem, problem, require_few
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table, common_length
 from daq.importing.units import SI_ANGULAR, SI_LINEAR

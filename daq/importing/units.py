@@ -24,9 +24,6 @@ class Unit:
         return self.si.startswith(("rad", "N m"))
 
 
-COUNT = Unit(1.0, "count", None)
-
-
 def _si(*units: str) -> dict[str, Unit]:
     quantities = ("time", "displacement", "velocity", "acceleration", "force")
     return {q: Unit(1.0, unit, q) for q, unit in zip(quantities, units, strict=True)}

@@ -33,8 +33,8 @@ class AudioInput:
             ) from error
         self._library: Any = sounddevice
         self._device = int(device) if device and device.isdigit() else device or None
-        self._channels, scales = _channels(units)
-        self._scales: Array = np.array(scales)
+        self._channels = _channels(units)
+        self._scales: Array = np.array([channel.high for channel in self._channels])
         self._rate = rate_hz
         self._blocks: queue.SimpleQueue[tuple[Array, bool]] = queue.SimpleQueue()
         self._stream: Any = None
@@ -96,12 +96,12 @@ class AudioInput:
         self._blocks.put((np.array(block, dtype=np.float64), bool(status.input_overflow)))
 
 
-def _channels(units: Mapping[str, str]) -> tuple[tuple[Channel, ...], list[float]]:
+def _channels(units: Mapping[str, str]) -> tuple[Channel, ...]:
     if not units:
         raise OperatorError(
             "say what the input measures and what its full scale is, as --unit acceleration='95 m/s^2'"
         )
-    channels, scales = [], []
+    channels = []
     for quantity, text in units.items():
         unit = parse_scaled_unit(text)
         if quantity not in QUANTITIES[1:] or unit is None or unit.quantity != quantity:
@@ -109,5 +109,4 @@ def _channels(units: Mapping[str, str]) -> tuple[tuple[Channel, ...], list[float
                 f"--unit {quantity}={text}: say a {', '.join(QUANTITIES[1:])} and its full scale with a unit"
             )
         channels.append(Channel(quantity, quantity, unit.si, low=-unit.scale, high=unit.scale))
-        scales.append(unit.scale)
-    return tuple(channels), scales
+    return tuple(channels)

@@ -200,10 +200,8 @@ class _Lines:
             return self._stamps(self.chosen["time"], asked=True) or LineClock(kind="arrival")
         if COUNTER in self.chosen:
             return LineClock(kind="counter", column=self.chosen[COUNTER])
-        by_name = [c for c in free if meaning(self._header(c)).quantity == "time"]
-        for column in (
-            [*by_name, *(c for c in free if c not in by_name)] if "time" not in self._left_out else []
-        ):
+        named_first = sorted(free, key=lambda c: meaning(self._header(c)).quantity != "time")
+        for column in named_first if "time" not in self._left_out else []:
             if (found := self._stamps(column, asked=False)) is not None:
                 return found
         for column in free if COUNTER not in self._left_out else []:
@@ -244,7 +242,7 @@ def _unit(quantity: str, header: str, given: str | None) -> Unit:
             raise OperatorError(
                 f"{quantity}: '{given}' is no unit of a {quantity}; say mm, deg, g, or '0.005 mm'"
             )
-        return unit if unit.quantity else Unit(unit.scale, unit.si, quantity)
+        return unit
     if said.unit is not None and said.unit.quantity == quantity:
         return said.unit
     raise OperatorError(

@@ -1,8 +1,7 @@
-"""A board that prints numbers, a line a sample, as a source."""
+"""A board that prints numbers, a line a sample, as a source; the index of a sample is by counter, stamp or order."""
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from daq.errors import BoardError, LinkLost, PortError
 from daq.port import Port
 from daq.recording import Array
 from daq.sources.line_format import LineFormat, Sample
-from daq.sources.sample_index import CountedIndex, StampedIndex
 from daq.sources.source import Reading, SourceDescription
 from daq.sources.text_lines import LineCutter, header_of, parse_line
 
@@ -24,6 +22,70 @@ MOST_UNREAD = 200
 COUNTER_BITS = 32
 NUMBERED = 0.9
 """Share of lines from which on another stamp or number than the line's before is the rule, so that one line is known."""
+WRAPS = (1 << 8, 1 << 16, 1 << 32)
+MOST_LOST = 1_000_000
+FOLLOWS = 0.05
+NEAR_THE_END = 0.9
+
+
+class CountedIndex:
+    """Indices from a counter that wraps round after 8, 16 or 32 bits."""
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+        self.index = -1
+
+    def next(self, counter: float) -> int:
+        """Return the index of the next line. Raises LinkLost where the counter restarts in between."""
+        now = round(counter)
+        step = 1 if self._last is None else now - self._last
+        if self._last is not None and step <= 0:
+            wrap = next((w for w in WRAPS if NEAR_THE_END * w <= self._last < w and now < w), None)
+            if wrap is None:
+                raise LinkLost(
+                    f"the counter went from {self._last} to {now}: the board restarted; what came before is kept"
+                )
+            step += wrap
+        if step > MOST_LOST:
+            raise BoardError(f"the counter jumps from {self._last} to {now}; is that column a counter?")
+        self._last = now
+        self.index += step
+        return self.index
+
+
+class StampedIndex:
+    """Indices from time stamps (s) at a rate that is known nearly; it follows a slow drift between the two."""
+
+    def __init__(self, rate: float, wrap_s: float) -> None:
+        self._rate = rate
+        self._wrap = wrap_s
+        self._first: float | None = None
+        self._last = 0.0
+        self._phase = 0.0
+        self.index = -1
+
+    def next(self, stamp: float) -> tuple[int, float]:
+        """Return the index of the next line and its time since the first, s. Raises LinkLost where time goes back."""
+        if self._first is None:
+            self._first = self._last = stamp
+            self.index = 0
+            return 0, 0.0
+        if stamp < self._last:
+            if self._last < NEAR_THE_END * self._wrap:
+                raise LinkLost(
+                    f"the time stamps go back from {self._last:g} s to {stamp:g} s: the board restarted; what came "
+                    "before is kept"
+                )
+            self._first -= self._wrap
+        self._last = stamp
+        time = stamp - self._first
+        ideal = time * self._rate - self._phase
+        step = max(round(ideal) - self.index, 1)
+        if step > MOST_LOST:
+            raise BoardError(f"the time stamps jump to {stamp:g} s; is that column the time?")
+        self.index += step
+        self._phase += FOLLOWS * float(np.clip(ideal - self.index, -0.5, 0.5))
+        return self.index, time
 
 
 class LineSource:
@@ -73,16 +135,13 @@ class LineSource:
                 runs[-1].append(row)
             else:
                 runs.append([row])
-        readings = [self._reading(run) for run in runs]
-        return [replace(readings[0], raw=data), *readings[1:]] if readings else [self._nothing_new(data)]
+        raw = Reading(0, np.empty((0, len(self.form.channels))), raw=data)
+        return [raw, *(self._reading(run) for run in runs)]
 
     def _reading(self, run: list[tuple[int, float, list[float]]]) -> Reading:
         samples = np.array([values for _, _, values in run], dtype=np.float64)
         stamps = np.array([stamp for _, stamp, _ in run]) * 1e6
         return Reading(run[0][0], samples, stamps if self.form.clock.kind == "stamps" else None)
-
-    def _nothing_new(self, data: bytes) -> Reading:
-        return Reading(0, np.empty((0, len(self.form.channels))), raw=data)
 
     def close(self) -> None:
         """Give the port back."""
@@ -92,18 +151,17 @@ class LineSource:
         self._counted = CountedIndex()
         wrap = self.form.clock.scale * 2.0**COUNTER_BITS
         self._stamped = StampedIndex(self._rate, wrap)
-        self._next = 0
+        self._lines = 0
         self._last = {}
 
     def _placed(self, line: dict[str, float]) -> tuple[int, float]:
         clock = self.form.clock
-        if clock.column is not None and clock.kind == "stamps":
-            return self._stamped.next(clock.scale * line[clock.column])
-        if clock.column is not None:
-            index = self._counted.next(line[clock.column])
-            return index, index / self._rate
-        self._next += 1
-        return self._next - 1, (self._next - 1) / self._rate
+        self._lines += 1
+        number = self._lines if clock.column is None else line[clock.column]
+        if clock.kind == "stamps":
+            return self._stamped.next(clock.scale * number)
+        index = self._counted.next(number)
+        return index, index / self._rate
 
     def _understood(self, text: str) -> dict[str, float] | None:
         """Return the numbers of a line by column; None for one that lacks a column, of which only so many may come."""

@@ -1,20 +1,55 @@
 """Sources by what the operator says: lines of a port or of a growing file, a sound card, a class of one's own."""
 
+import os
 import runpy
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from daq.errors import OperatorError
+from daq.errors import LinkLost, OperatorError, PortError
 from daq.port import BAUD, Port, open_port
 from daq.sources.audio_input import AudioInput
-from daq.sources.growing_file import GrowingFile
 from daq.sources.line_format import LineFormat, Sample, find_format
 from daq.sources.line_source import LineSource
 from daq.sources.source import Source
 
 AUDIO = "audio"
 AUDIO_RATE = 8000.0
+WAIT_S = 0.03
+BIGGEST_READ = 1 << 16
+
+
+class GrowingFile:
+    """A port (see `daq.port.Port`) that gives what is added to a file after it was opened."""
+
+    def __init__(self, path: Path) -> None:
+        self.name = str(path)
+        try:
+            self._file = path.open("rb", buffering=0)
+        except FileNotFoundError as error:
+            raise PortError(f"{path}: there is no such file") from error
+        except OSError as error:
+            raise PortError(f"{path}: cannot be read ({error.strerror or error})") from error
+        self._file.seek(0, os.SEEK_END)
+
+    def read(self) -> bytes:
+        """Return the bytes added since; b"" for none. Raises LinkLost where the file became shorter."""
+        data = self._file.read(BIGGEST_READ) or b""
+        if not data:
+            if os.fstat(self._file.fileno()).st_size < self._file.tell():
+                raise LinkLost(
+                    f"{self.name}: the file was cut off while it was read; what came before is kept"
+                )
+            time.sleep(WAIT_S)
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Do nothing: a file is only read."""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
 
 
 @dataclass(frozen=True)

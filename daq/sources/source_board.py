@@ -12,14 +12,13 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.description_checks import description_of
+from daq.description_checks import data_of, description_of
 from daq.recording import Array
 from daq.sources.source import Reading, Source, SourceDescription
 from firmware_protocol import (
     TYPE_OF,
     Ack,
     Config,
-    Data,
     Decoder,
     End,
     Frame,
@@ -32,7 +31,6 @@ from firmware_protocol import (
     NackCode,
     OtherVersion,
     Resend,
-    SampleFormat,
     Start,
     Stop,
     encode,
@@ -146,7 +144,7 @@ class SourceBoard:
     def _take(self, reading: Reading) -> None:
         """Send samples as DATA; indices that were skipped are said to be dropped."""
         run = self._run
-        samples = np.ascontiguousarray(reading.samples, dtype="<f8")
+        samples = reading.samples
         if not len(samples):
             return
         skipped = reading.first - run.total
@@ -159,20 +157,9 @@ class SourceBoard:
         at = 0
         while at < len(samples):
             part = samples[at : at + _even(times[at : at + size], rate)]
-            first, stamp = reading.first + at, round(float(times[at]))
-            content = part.tobytes()
-            run.checksum = crc32(content, run.checksum)
-            self._say(
-                Data(
-                    first,
-                    stamp,
-                    skipped if at == 0 else 0,
-                    len(part),
-                    samples.shape[1],
-                    SampleFormat.F64,
-                    content,
-                )
-            )
+            data = data_of(reading.first + at, float(times[at]), part, skipped if at == 0 else 0)
+            run.checksum = crc32(data.samples, run.checksum)
+            self._say(data)
             at += len(part)
         run.total = reading.first + len(samples)
 

@@ -50,7 +50,7 @@ def command(
         "bytes": size,
         "samples": len(recording.valid),
         "rate_hz": recording.rate,
-        "channels": {n: c.unit for n, c in zip(exported.names, recording.channels, strict=True)},
+        "channels": {name: channel.unit for name, channel in exported.channels.items()},
         "facts": exported.all_facts,
     }
     columns = ", ".join(f"{name} [{unit}]" for name, unit in document["channels"].items())

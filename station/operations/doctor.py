@@ -13,11 +13,9 @@ from typing import Literal
 
 import numpy as np
 
-from daq.board_sample import BoardSample, sample_board
 from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.errors import StationError
-from daq.port_facts import port_facts
-from daq.ports import list_ports
+from daq.ports import BoardSample, list_ports, port_facts, sample_board
 from daq.recording import Recording
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.recording import Array, Channel, Gap
-from daq.rest_detection import primary
 from daq.session import Session
-from daq.trigger import threshold
+from daq.trigger import primary, threshold
 from firmware_protocol import Hello
 from station.exits import sentence_of
 from station.operations.mystery import BOARD, SEEDS

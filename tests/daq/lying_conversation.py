@@ -10,10 +10,10 @@ from unittest import mock
 
 import numpy as np
 
-from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S, RESEND_FOR_S
-from daq.capture import CaptureSettings, capture
+from daq.capture import RESEND_FOR_S, CaptureSettings, capture
 from daq.errors import StationError
 from daq.frame_reader import FrameReader
+from daq.link import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.session import Session
 from firmware_protocol import Frame
 from mocks.lying_board import LyingBoard

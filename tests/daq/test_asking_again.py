@@ -7,12 +7,11 @@ import pytest
 from lying_conversation import longest_s
 from scripted_board import ScriptedBoard, decay
 
-from daq.budget import Budget
 from daq.capture import CaptureSettings, capture
 from daq.decode import MAX_MISSING
 from daq.errors import BoardError, DataLost, LinkLost, OperatorError, PortError
 from daq.frame_reader import MOST_BYTES
-from daq.importing import limits
+from daq.importing import errors as limits
 from daq.link import Link
 from daq.raw_log import MAX_LOG
 from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Start, Stop, encode
@@ -136,10 +135,9 @@ def test_what_is_sound_and_not_understood_is_not_put_down_to_the_line(
 def test_a_capture_that_no_session_could_hold_is_refused_before_start(tmp_path: Path) -> None:
     board = ScriptedBoard(SAMPLES)
     settings = CaptureSettings(duration_s=3600, trigger_timeout_s=3600)
-    most = Budget(settings, 256.0, 16)
-    assert most.require() < 1 << 29
+    assert settings.log_bytes(256.0, 16) < 1 << 29
     with pytest.raises(OperatorError, match=r"at 50000 Hz this capture may take 6.25 GB .*lower rate"):
-        Budget(settings, 50_000.0, 16).require()
+        settings.log_bytes(50_000.0, 16)
     board.description = type(board.description)(
         board.description.format,
         tuple(type(c)(c.name, c.quantity, c.unit, 1.0, 0.0, 50_000.0) for c in board.description.channels),

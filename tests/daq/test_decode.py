@@ -5,7 +5,7 @@ from scripted_board import RATE, decay, describe
 
 from daq.decode import Assembly, Block
 from daq.errors import DataLost
-from daq.integrity import Integrity, Outcome
+from daq.quality import integrity
 from daq.recording import Gap
 from firmware_protocol import (
     ChannelDescription,
@@ -129,10 +129,17 @@ def test_the_checksum_of_all_samples_is_compared() -> None:
 
     check = crc32(data(0, 32).samples)
     whole = (data(0), data(16))
-    assert assembly(*whole, End(32, 0, check)).integrity() == Integrity(Outcome.AGREES)
-    assert assembly(*whole, End(32, 0, check ^ 1)).integrity() == Integrity(Outcome.DIFFERS)
-    assert assembly(data(0), End(32, 0, check)).integrity().checksum is Outcome.UNCHECKED
-    assert assembly(*whole).integrity() == Integrity(Outcome.UNCHECKED, "the board's END never came")
+
+    def said(*messages: object) -> tuple[list[str], list[str]]:
+        remarks: list[str] = []
+        return [found.reason for found in integrity(assembly(*messages), remarks)], remarks
+
+    assert said(*whole, End(32, 0, check)) == ([], ["the board's checksum of all its samples agrees"])
+    assert said(*whole, End(32, 0, check ^ 1)) == (["the board's checksum of all samples does not agree"], [])
+    unchecked = "the board's checksum could not be checked: "
+    lost = f"{unchecked}16 samples that it covers are lost, 16 of the recording or after it"
+    assert said(data(0), End(32, 0, check)) == ([lost], [])
+    assert said(*whole) == ([f"{unchecked}the board's END never came"], [])
 
 
 def test_a_number_that_is_none_is_marked() -> None:

@@ -50,7 +50,7 @@ def test_of_two_copies_the_first_stays_and_the_difference_is_listed() -> None:
     assert np.array_equal(kept[:, :176], SAMPLES[:, :176])
     assert np.array_equal(kept[:, 192:], SAMPLES[:, 192:])
     assert np.array_equal(kept[:, 176:192], SAMPLES[:, 176:192] + 1e-3)
-    assert made.samples.differing == [(160, 16), (192, 16)]
+    assert made.samples.differing == [(160, 32)]
     found = verdict(made)
     assert found.grade is Grade.REJECT
     assert any("32 samples twice with other values, from sample 160" in reason for reason in found.reasons)

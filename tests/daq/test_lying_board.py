@@ -10,13 +10,12 @@ from unittest import mock
 import pytest
 from lying_conversation import LIMIT_S, SETTINGS, converse
 
-from daq.budget import Budget
 from daq.clock_check import CheckedRate
 from mocks.lies import KINDS
 from mocks.lying_board import BEHAVIOURS, LyingBoard
 
 DANGEROUS = (40, 76, 114, 120, 128, 154)  # what a station that checks less calls OK
-BUDGET = Budget(SETTINGS, 256.0, 16)
+MOST_BYTES = SETTINGS.log_bytes(256.0, 16)
 READ_AT_ONCE = 1 << 16
 
 
@@ -29,7 +28,7 @@ def broken(seeds: range | tuple[int, ...], folder: Path) -> list[str]:
             found.append(f"called OK: {told.wrong}; {told.lies}")
         if told.elapsed_s > LIMIT_S + 2.0:
             found.append(f"{told.elapsed_s:.1f} s and not {LIMIT_S:g}; {told.lies}")
-        if told.log_bytes > BUDGET.require() + READ_AT_ONCE:
+        if told.log_bytes > MOST_BYTES + READ_AT_ONCE:
             found.append(f"a log of {told.log_bytes} bytes; {told.lies}")
     return found
 
@@ -50,7 +49,7 @@ def test_an_honest_board_among_them_is_ok(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("left_out", "seed", "nothing"), [("_integrity", 40, ()), ("checked_rate", 76, CheckedRate(0.0))]
+    ("left_out", "seed", "nothing"), [("integrity", 40, ()), ("checked_rate", 76, CheckedRate(0.0))]
 )
 def test_a_station_that_checks_less_is_caught(
     tmp_path: Path, left_out: str, seed: int, nothing: object

@@ -195,6 +195,16 @@ def test_a_second_push_changes_both_channels_and_is_no_fault() -> None:
     assert not [one for one in found.runs if one.flag in (Flag.GAIN, Flag.SIGN)]
 
 
+@pytest.mark.parametrize(("readings", "noise"), [(8, 1e-4), (12, 1e-3)])
+def test_readings_that_repeat_too_often_are_told_where_a_cycle_has_few(readings: int, noise: float) -> None:
+    time = np.arange(60 * readings) / readings
+    x = np.exp(-time / 20.0) * np.cos(2.0 * np.pi * time)
+    x = repeats(x + noise * np.random.default_rng(3).standard_normal(len(x)), 3)
+    channels = (Channel("x", "displacement", "m"),)
+    found = sensor_faults(Recording(RATE, channels, x[None], np.ones(len(x), dtype=bool)))
+    assert any("repeats the reading before it" in suspicion.reason for suspicion in found.suspicions)
+
+
 def test_a_few_repeated_readings_leave_the_record_usable() -> None:
     def change(x: np.ndarray) -> np.ndarray:
         x = x.copy()

@@ -106,9 +106,9 @@ def test_a_change_that_is_killed_at_any_call_is_whole_or_not_at_all(session: Ses
 def test_the_next_change_completes_one_that_was_cut_off(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from daq import session_changes
+    from daq import manifest
 
-    monkeypatch.setattr(session_changes, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    monkeypatch.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         session.write_results(NEW)
     monkeypatch.undo()

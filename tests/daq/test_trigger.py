@@ -5,8 +5,7 @@ import pytest
 from scripted_board import AMPLITUDE, DECAY, NOISE_A, NOISE_X, OMEGA, RATE, decay
 
 from daq.recording import Channel
-from daq.rest_detection import RestPeriod
-from daq.trigger import Trigger, Triggered
+from daq.trigger import RestPeriod, Trigger, Triggered
 
 X = Channel("x", "displacement", "m", 1e-6, -0.05, 0.05)
 A = Channel("a", "acceleration", "m/s^2", 1e-3, -50.0, 50.0)

@@ -11,7 +11,7 @@ from unittest import mock
 import pytest
 from fault_bench import board
 
-from daq.port_facts import PortFacts, port_facts
+from daq.ports import PortFacts, port_facts
 from station import cli
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")

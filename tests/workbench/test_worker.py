@@ -118,7 +118,7 @@ def test_what_was_drawn_of_suspects_stays_until_another_diagnosis_is_kept():
 def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch, tmp_path):
     import numpy as np
 
-    from daq import session_changes
+    from daq import manifest
     from daq.recording import Channel, Recording
     from daq.session import Session, verify
 
@@ -129,7 +129,7 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
     class Ended(Occupied):
         def do(self, task: str, arguments: tuple[Any, ...], say: worker.Say) -> str:
             with monkeypatch.context() as killed:
-                killed.setattr(session_changes, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+                killed.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
                 with pytest.raises(KeyboardInterrupt):
                     session.write_results({"ladder.json": "new", "model.json": "new"})
             assert not verify(session.folder).ok

@@ -7,8 +7,7 @@ import pytest
 from import_files import OMEGA, load, said, write
 
 from daq.importing import ImportOptions, read_file, read_runs
-from daq.importing.column_numbers import quantum
-from daq.importing.derived import is_difference
+from daq.importing.column_numbers import is_difference, quantum
 from mocks import generate
 
 RATE = 200.0

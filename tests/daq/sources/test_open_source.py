@@ -12,8 +12,7 @@ from printing_board import RATE, as_csv, release
 from daq.capture import CaptureSettings, capture
 from daq.errors import LinkLost, OperatorError, PortError
 from daq.sources import SourceBoard
-from daq.sources.growing_file import GrowingFile
-from daq.sources.open_source import LineOptions, open_lines, open_source
+from daq.sources.open_source import GrowingFile, LineOptions, open_lines, open_source
 
 SETTINGS = CaptureSettings(duration_s=4.0, rest_s=0.5, check_clock=False)
 

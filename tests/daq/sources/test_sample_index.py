@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from daq.errors import BoardError, LinkLost
-from daq.sources.sample_index import CountedIndex, StampedIndex
+from daq.sources.line_source import CountedIndex, StampedIndex
 
 
 @pytest.mark.parametrize("wrap", [256, 65536, 1 << 32])
