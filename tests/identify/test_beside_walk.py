@@ -3,7 +3,7 @@
 import pytest
 from releases import ready
 
-from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.diagnose import diagnose, refine
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
 from identify.judging.beside_walk import smooth_law_beside
@@ -134,6 +134,13 @@ def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, wal
     for unknown, value in (known | {"linear_stiffness.k": truth["stiffness_per_mass"]}).items():
         if unknown in stated:
             assert abs(stated[unknown].value - value) < 4.0 * stated[unknown].std
+
+
+@pytest.mark.slow
+def test_what_remains_beside_a_drift_is_said_to_be_one():
+    steps = refine((release("cubic_stiffness+wandering_stiffness", (0.03, 0.003), 41000)[0],))
+    assert [step.added for step in steps.steps[1:]] == ["cubic_stiffness"]
+    assert "random drift" in steps.stopped_because
 
 
 def test_a_walk_is_followed_beyond_where_the_motion_is_linear_in_it():
