@@ -20,7 +20,7 @@ from identify.comparison.compare import Comparison, compare_fitted as compare_ba
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.model_error import ModelError, errors_of, noise_percent
+from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
 from identify.model.model import Model
@@ -180,11 +180,6 @@ class Compared:
             f"{seen.horizon_cycles:.0f} cycles the same model leaves {residual_words(seen.motion_error, seen.chi_square)}, "
             "because the phase may drift with clock and temperature. The places and cycles below are those of that run."
         )
-
-    @property
-    def motion_floor(self) -> float:
-        """The residual of noise alone, in % of the rms of the motion."""
-        return noise_percent(self.judged.fit)
 
 
 def silent(*said: object) -> None:
