@@ -4,7 +4,6 @@ import difflib
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -55,12 +54,8 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
     words = words.replace("Field required", "is missing")
     given = first.get("input")
     if words.startswith("must be") and isinstance(given, int | float | str):
-        words += f" (it is {_plain(given)})"
+        words += f" (it is {given:g})" if isinstance(given, float) else f" (it is {given})"
     return one_line(f"{entry} {words}".strip())
-
-
-def _plain(value: Any) -> Any:
-    return f"{value:g}" if isinstance(value, float) else value
 
 
 def one_line(text: str) -> str:

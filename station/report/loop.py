@@ -101,7 +101,7 @@ def ladder(found: Findings) -> list[Part]:
 
 def curves_of(found: NamedCurves, look: Look = LIGHT) -> Figure:
     """Draw the curves of sessions with the laws of their diagnosis, and explain points, bands and lines."""
-    names, curves = found.names, found.curves
+    names, curves = found
     many = len(curves.releases) > 1
     kept = [names[curve.release] for curve in curves.releases]
     whose = f"each of {len(kept)} releases ({', '.join(kept)})" if many else "this release"

@@ -12,7 +12,6 @@ from daq.exporting import encode
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
-from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
@@ -52,7 +51,8 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     opened.draw_step(ladder.top)
     if kept := kept_diagnosis(session):
         opened.diagnoses[tuple(kept.model.effects)] = kept
-    effects = _effects(ladder)
+    own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
+    effects = {effect.name: effect for effect in (*LIBRARY, *map(parsed_effect, own))}
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
@@ -67,12 +67,6 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
         weighing,
         session.info.specimen.startswith("mystery "),
     )
-
-
-def _effects(ladder: KeptLadder) -> dict[str, Effect]:
-    """Return the effects of the library, and the user's own in the ladder, by name."""
-    own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
-    return {effect.name: effect for effect in (*LIBRARY, *(parsed_effect(text) for text in own))}
 
 
 def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:
