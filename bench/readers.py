@@ -235,7 +235,6 @@ def _ladder() -> bytes:
         "format": 1,
         "steps": [step],
         "present": 0,
-        "floor": error,
         "stopped_because": "",
         "verdict": None,
     }

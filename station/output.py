@@ -63,11 +63,6 @@ def next_line(*words: str | Path) -> str:
     return f" next: {command_line(*words)}"
 
 
-def say(line: str) -> None:
-    """Print a line on stdout as it is, neither folded nor read as markup: what is in it can be copied."""
-    screen().print(line, markup=False, soft_wrap=True)
-
-
 class OneLine(logging.Handler):
     """Says a log entry in one line, whatever traceback comes with it."""
 

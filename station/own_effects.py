@@ -5,9 +5,9 @@ import traceback
 from pathlib import Path
 
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
+from identify.effects.library import LIBRARY, find_effect
 from station.exits import UsageProblem
-from station.suggestions import read_named
+from station.suggestions import MEASURED_CURVE, did_you_mean, read_named
 
 _EXAMPLE = 'EFFECTS = (own_effect("magnet", "a*u/(1 + (u/b)**2)"),)'
 
@@ -15,6 +15,16 @@ _EXAMPLE = 'EFFECTS = (own_effect("magnet", "a*u/(1 + (u/b)**2)"),)'
 def whole_library(file: Path | None) -> tuple[Effect, ...]:
     """Return the library with the user's own effects from a Python file after it."""
     return LIBRARY if file is None else (*LIBRARY, *load_effects(file))
+
+
+def named_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
+    """Return the effect of that name; UsageProblem, with what may have been meant, where there is none."""
+    try:
+        return find_effect(name, library)
+    except KeyError as error:
+        meant = did_you_mean(name, (*(effect.name for effect in library), MEASURED_CURVE))
+        more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
+        raise UsageProblem(f"no effect is called '{name}'{meant}; {more}") from error
 
 
 def load_effects(path: Path) -> tuple[Effect, ...]:

@@ -3,9 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterable
-from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -28,21 +26,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     whole = [name for name in names if typed in name and len(typed) >= _SHORTEST]
     found = whole[:_MOST] or difflib.get_close_matches(typed, names, _MOST, _CLOSE)
     return f"; did you mean {' or '.join(repr(names[name]) for name in found)}?" if found else ""
-
-
-def no_such_effect(name: str, known: Iterable[str]) -> UsageProblem:
-    """Return the refusal of an effect that is none, with what may have been meant."""
-    more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
-    return UsageProblem(f"no effect is called '{name}'{did_you_mean(name, known)}; {more}")
-
-
-def effect_names() -> tuple[str, ...]:
-    """Return the names of the library's effects, read from its source, so that nothing has to be compiled for a typo."""
-    found: list[str] = []
-    for file in files("identify.effects").iterdir():
-        if file.name.endswith(".py") and file.name != "families.py":
-            found += re.findall(r'^    name="(\w+)",$', file.read_text(encoding="utf-8"), re.MULTILINE)
-    return tuple(sorted(found))
 
 
 def read_named(path: Path, what: str, most: int = LARGEST) -> bytes:
@@ -71,12 +54,8 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
     words = words.replace("Field required", "is missing")
     given = first.get("input")
     if words.startswith("must be") and isinstance(given, int | float | str):
-        words += f" (it is {_plain(given)})"
+        words += f" (it is {given:g})" if isinstance(given, float) else f" (it is {given})"
     return one_line(f"{entry} {words}".strip())
-
-
-def _plain(value: Any) -> Any:
-    return f"{value:g}" if isinstance(value, float) else value
 
 
 def one_line(text: str) -> str:

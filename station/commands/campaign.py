@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import VARIES, argument, declared, existing, option
+from station.commands.options import VARIES, argument, declared, option
 from station.output import progress
 from station.settings import Settings
 
@@ -17,18 +17,13 @@ if TYPE_CHECKING:
     from station.results.campaign_document import CampaignDocument
 
 
-SESSIONS_OR_FOLDER = argument(
-    nargs=-1,
-    metavar="[FOLDER | SESSION...]",
-    callback=existing("folder, session or data file", or_all=True),
-)
 A_FOLDER = click.Path(path_type=Path, file_okay=False)
 
 
 @declared("campaign")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...] = SESSIONS_OR_FOLDER,
+    sessions: tuple[str, ...] = argument(nargs=-1, metavar="[FOLDER | SESSION...]"),
     diagnose: bool = option("Diagnose each session too: seconds each."),
     output: Path | None = option(
         "Where results are kept (default: FOLDER/campaign).",
@@ -55,9 +50,12 @@ def command(
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign, names_known
     from station.exits import Answered
+    from station.results.session_names import session_folder
     from station.text import campaign_text
     from station.text.layout import answer
 
+    what, place = "folder, session or data file", settings.sessions
+    sessions = tuple(one if one == str(place) else str(session_folder(one, place, what)) for one in sessions)
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
         progress(note)
@@ -99,9 +97,9 @@ def _imported(
     from daq.importing.propose import Doubtful
     from daq.importing.recipe import read_recipe, to_toml
     from station.campaign.sources import Names, files_in, import_files
-    from station.commands.asking import asked
     from station.exits import UsageProblem
     from station.operations.new_session import session_info
+    from station.results.kept_recipes import asked
     from station.safe_text import harmless
 
     recipe, ask, names, varies = said

@@ -1,6 +1,5 @@
 """`station demo`: run the whole job on a simulated board."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +58,9 @@ def command(
 
         where = folder or new_folder(settings.sessions, "demo")
         specimen = f"simulated testbed, seed {seed}"
-        session, shown_at, envelope = record_simulated(
+        session, shown_at, truth = record_simulated(
             settings, specimen, seed, speed, where, not no_viewer, "mocks"
         )
-        truth = json.loads(envelope)
         made_of = {name: truth[name] for name in MADE_OF}
         finish(session, shown_at, settings, (_made_of(truth),), made_of=made_of)
 
@@ -72,20 +70,14 @@ def _guided(settings: Settings, seed: int, speed: float, folder: Path | None) ->
     from station.operations.guiding import RIG, SIMULATED, GuidedTest
     from station.operations.mystery import BOARD, hidden_document, hidden_words
     from station.operations.new_session import new_folder
-    from station.operations.simulated_board import on_simulated, simulated_capture
+    from station.operations.simulated_board import simulated_capture, told_board
     from station.report.write import show_guided
     from station.text.layout import answer
 
     wanted = simulated_capture(settings, f"mystery {seed}", speed)
     place = folder or new_folder(settings.sessions, "guide")
-    document, envelope = on_simulated(
-        lambda port: show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True)),
-        seed,
-        speed,
-        *RIG,
-        module=BOARD,
-    )
-    truth = json.loads(envelope)
+    with told_board(seed, speed, *RIG, module=BOARD) as (port, truth):
+        document = show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True))
     words = facts([("hidden was", f"{hidden_words(truth)}; it is read only now")])
     answer(document.plain() | {"hidden": hidden_document(truth)}, Told("", "", words))
 

@@ -3,8 +3,7 @@
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from station.commands.options import argument, declared, known_effect
-from station.exits import UsageProblem
+from station.commands.options import argument, declared
 from station.text.content import Table, Told, facts
 
 if TYPE_CHECKING:
@@ -14,22 +13,20 @@ KINDS = {"physics": "Physics: forces per unit mass", "sensor": "Sensors: faults 
 
 
 @declared("effects")
-def command(name: str | None = argument(required=False, callback=known_effect)) -> None:
+def command(name: str | None = argument(required=False)) -> None:
     """List the effects that may be missing, or describe NAME.
 
     With NAME: its equation, parameters with units and bounds, how it shows,
     what proves it, and what it is confused with.
     """
-    from identify.effects.library import LIBRARY, find_effect
+    from identify.effects.library import LIBRARY
     from identify.formatting import plain_name
+    from station.own_effects import named_effect
     from station.text.layout import answer
     from station.text.numbers import typeset
 
     if name is not None:
-        try:
-            effect = find_effect(name)
-        except KeyError as missing:
-            raise UsageProblem(str(missing.args[0])) from None
+        effect = named_effect(name)
         rows = facts((label, typeset(text)) for label, text in _rows(effect))
         answer(_document(effect), Told(plain_name(effect.name), "", rows))
         return

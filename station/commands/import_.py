@@ -81,7 +81,7 @@ def command(
     from daq.importing.recipe import read_recipe, to_toml
     from station.operations.new_session import session_info
     from station.output import TYPED
-    from station.results.kept_recipes import NONE
+    from station.results.kept_recipes import NONE, asked
     from station.results.sessions import explained, import_file
     from station.safe_text import harmless
     from station.text.layout import answer
@@ -98,8 +98,6 @@ def command(
     try:
         given = None if recipe in (None, NONE) else read_recipe(Path(recipe or ""))
         if ask:
-            from station.commands.asking import asked
-
             given = asked(file, options)
         imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:

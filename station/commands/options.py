@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
@@ -23,8 +23,6 @@ KINDS: dict[Any, dict[str, Any]] = {
     int | None: {"type": int},
 }
 """What `click` is told of an option by the type of its parameter."""
-
-Given = TypeVar("Given", str, tuple[str, ...])
 
 
 def declared(
@@ -85,27 +83,6 @@ def argument(**said: Any) -> Any:
     return declare
 
 
-def existing(
-    what: str = "session or data file", *, or_all: bool = False
-) -> Callable[[click.Context, click.Parameter, Given], Given]:
-    """Make what finds the session or file that an argument means, and refuses at once what is not there.
-
-    `what` it may be is said in the refusal; with `or_all` the settings' folder of sessions passes, there or not.
-    """
-
-    def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
-        from station.results.session_names import session_folder
-
-        root = load_settings(context.obj).sessions
-
-        def found(name: str) -> str:
-            return name if or_all and name == str(root) else str(session_folder(name, root, what))
-
-        return found(value) if isinstance(value, str) else tuple(map(found, value))
-
-    return check
-
-
 def by_quantity(context: click.Context, parameter: click.Parameter, given: tuple[str, ...]) -> dict[str, str]:
     """Split options of the form QUANTITY=VALUE. Raises UsageProblem for anything else."""
     found = {}
@@ -125,25 +102,14 @@ def columns_by_quantity(
     return {name: int(column) if column.isdigit() else column for name, column in found.items()}
 
 
-def known_effect(context: click.Context, parameter: click.Parameter, value: Given | None) -> Given | None:
-    """Refuse at once effects that are not in the library; a formula, and names of a file of effects, pass."""
-    from station.suggestions import MEASURED_CURVE, effect_names, no_such_effect
-
-    names = (*effect_names(), MEASURED_CURVE)
-    for name in (value,) if isinstance(value, str) else value or ():
-        if "=" not in name and name not in names and not context.params.get("effects_file"):
-            raise no_such_effect(name, names)
-    return value
-
-
-SESSION = argument(callback=existing())
-SESSIONS = argument(nargs=-1, required=True, metavar="SESSION...", callback=existing())
+SESSION = argument()
+SESSIONS = argument(nargs=-1, required=True, metavar="SESSION...")
 MODEL = option(
     "A model file; or `refined`, `identified`, `usual` (spring, dry, viscous friction).",
     "--model",
     metavar="FILE",
 )
-EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE", is_eager=True)
+EFFECTS = option("Your own effects (Python).", "--effects", metavar="FILE")
 MASS = option("Mass (kg m^2 for angles).", "--mass", type=POSITIVE, metavar="KG")
 MASS_STD = option("Standard error of the mass.", "--mass-std", type=click.FloatRange(min=0), metavar="KG")
 FULL = option("Print all that is known, not only the result.", "--full")

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from station.commands.options import BAUD, COLUMNS, POSITIVE, UNITS, argument, declared, option
-from station.output import asked_for_json, progress, say
+from station.output import progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
@@ -37,8 +37,7 @@ def command(
     told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
-        if not asked_for_json():
-            say(f"{len(sample.arrivals)} lines: {describe_columns(sample)}")
+        progress(f"{len(sample.arrivals)} lines: {describe_columns(sample)}")
         return find_format(sample, columns, units, rate).model_copy(update={"baud": baud})
 
     progress(f"listening to {port} for some seconds")

@@ -1,9 +1,8 @@
 """`station recover`: seal a session that was cut off in mid-capture."""
 
-from pathlib import Path
 from typing import Any
 
-from station.commands.options import argument, declared, existing
+from station.commands.options import argument, declared
 from station.exits import Answered, code_of
 from station.settings import Settings
 
@@ -11,7 +10,7 @@ from station.settings import Settings
 @declared("recover")
 def command(
     settings: Settings,
-    sessions: tuple[str, ...] = argument(nargs=-1, callback=existing("session")),
+    sessions: tuple[str, ...] = argument(nargs=-1),
 ) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
@@ -21,11 +20,12 @@ def command(
     """
     from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
+    from station.results.session_names import session_folder
     from station.text.content import Table, Told
     from station.text.layout import answer
 
     unsealed = unsealed_sessions(settings.sessions) if settings.sessions.is_dir() else ()
-    folders = list(map(Path, sessions)) or list(unsealed)
+    folders = [session_folder(name, settings.sessions) for name in sessions] or list(unsealed)
     entries, problems = [], []
     for folder in folders:
         try:

@@ -10,7 +10,6 @@ from station.commands.options import (
     NO_VIEWER,
     SESSION,
     declared,
-    known_effect,
     option,
 )
 from station.exits import UsageProblem
@@ -27,7 +26,6 @@ def command(
         "--add",
         multiple=True,
         metavar="EFFECT",
-        callback=known_effect,
     ),
     removed: str | None = option("Take an effect out of the model.", "--remove", metavar="EFFECT"),
     auto: bool = option("Add what is missing until the noise floor is reached; say why it stops."),
@@ -49,12 +47,18 @@ def command(
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.operations.viewer_tabs import show_refined
+    from station.own_effects import named_effect, whole_library
     from station.results.documents import seen
     from station.results.ladder import LADDER, ladder_document, write_ladder
     from station.results.sessions import open_session
+    from station.suggestions import MEASURED_CURVE
     from station.text.ladder_text import next_command, told
     from station.text.layout import answer
 
+    library = whole_library(effects_file)
+    for name in added:  # before the first of them is fitted
+        if "=" not in name and name != MEASURED_CURVE:
+            named_effect(name, library)
     opened = open_session(session, settings.sessions)
     changes = bool(wanted) or reset or model_file is not None or seen(opened, LADDER) is None
     if changes:

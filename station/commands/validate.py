@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from station.commands.options import EFFECTS, SESSIONS, VARIES, argument, declared, existing, option
+from station.commands.options import EFFECTS, SESSIONS, VARIES, argument, declared, option
 from station.output import progress
 from station.settings import Settings
 
@@ -10,7 +10,7 @@ from station.settings import Settings
 @declared("validate")
 def command(
     settings: Settings,
-    model: str = argument(callback=existing("model file or session")),
+    model: str = argument(),
     sessions: tuple[str, ...] = SESSIONS,
     effects_file: Path | None = EFFECTS,
     varies: tuple[str, ...] = VARIES,

@@ -1,23 +1,22 @@
 """`station verify`: check a session's files against its manifest."""
 
-from pathlib import Path
-
-from station.commands.options import argument, declared, existing
+from station.commands.options import SESSIONS, declared
 from station.exits import STORAGE, Answered
+from station.settings import Settings
 
 
 @declared("verify")
 def command(
-    sessions: tuple[str, ...] = argument(
-        nargs=-1, required=True, metavar="SESSION...", callback=existing("session")
-    ),
+    settings: Settings,
+    sessions: tuple[str, ...] = SESSIONS,
 ) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
+    from station.results.session_names import session_folder
     from station.text.content import Table, Told
     from station.text.layout import answer
 
-    checked = [verify(Path(folder)) for folder in sessions]
+    checked = [verify(session_folder(name, settings.sessions)) for name in sessions]
     keys = ("ok", "files", "problems", "remarks")
     entries = [{"session": str(one.folder)} | {key: getattr(one, key) for key in keys} for one in checked]
     rows = []

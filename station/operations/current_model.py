@@ -14,7 +14,7 @@ from station.results.documents import read_document
 from station.results.identification_document import NAME, KeptIdentification
 from station.results.ladder import KeptStep, read_ladder
 from station.results.models import known_model, read_model
-from station.story.known_model import KnownModel
+from station.story.pipeline import KnownModel
 
 
 def current_model(

@@ -16,8 +16,7 @@ from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import Errors, keep_document, picked, plain
 from station.settings import Settings
-from station.story.known_model import KnownModel
-from station.story.pipeline import Compared, Progress, compare, silent
+from station.story.pipeline import Compared, KnownModel, Progress, compare, silent
 from station.story.preparation import prepare_session
 
 COMPARISON = "comparison.json"

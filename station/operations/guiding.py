@@ -43,13 +43,12 @@ SMALLER = 0.7
 
 
 class Watcher(Protocol):
-    """An observer of a guided test."""
+    """An observer of a guided test; `observer` watches its captures."""
+
+    observer: CaptureObserver
 
     def asks(self, number: int, told: Guidance) -> None:
         """A release is wanted, for a reason."""
-
-    def observer(self) -> CaptureObserver:
-        """Return who watches the capture."""
 
     def provisional(self, answer: str) -> None:
         """A first answer while the decay is still running."""
@@ -155,7 +154,7 @@ def _record(
     )
     hypotheses = () if before is None else before.hypotheses
     provisional = Provisional(
-        decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional, watcher.observer()
+        decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional, watcher.observer
     )
     folder = test.folder / f"{test.folder.name}_{number}"
     try:

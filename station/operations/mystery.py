@@ -1,6 +1,5 @@
 """The mystery: a simulated board hides an effect; compare, diagnose, add, and only then read what it was."""
 
-import json
 import re
 import secrets
 from dataclasses import dataclass, replace
@@ -21,7 +20,7 @@ from station.operations.diagnosing import compare_session, diagnose_sessions
 from station.operations.new_session import new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
-from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated
+from station.operations.simulated_board import MASS_KG, record_simulated, told_board
 from station.operations.viewer_tabs import show_refined
 from station.output import asked_for_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
@@ -88,7 +87,7 @@ def solve(
 ) -> tuple[Solved, int | None]:
     """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's port."""
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
-    session, shown_at, envelope = record_simulated(
+    session, shown_at, truth = record_simulated(
         settings, f"mystery {seed}", seed, speed, where, not no_viewer, BOARD
     )
     refinement = open_refinement(session, settings)
@@ -112,7 +111,7 @@ def solve(
         )
     else:
         _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
-    return Solved(seed, session, document, ladder, json.loads(envelope)), shown_at
+    return Solved(seed, session, document, ladder, truth), shown_at
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:
@@ -120,8 +119,9 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
-    _, envelope = on_simulated(lambda port: None, int(seed[1]), 1.0, module=BOARD)
-    return dict(json.loads(envelope))
+    with told_board(int(seed[1]), 1.0, module=BOARD) as (_, truth):
+        pass
+    return truth
 
 
 def hidden_document(truth: dict[str, Any]) -> dict[str, Any]:

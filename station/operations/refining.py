@@ -15,22 +15,21 @@ from identify.diagnosis.ladder import (
     without_needless_effects,
 )
 from identify.effects.effect import Effect
-from identify.effects.library import find_effect
-from identify.fitting.model_error import force_floor_percent, noise_percent
+from identify.fitting.model_error import noise_percent
 from identify.formatting import plain_name, three_figures
 from identify.judging.nonparametric_force import curve_of_rest
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
-from station.own_effects import whole_library
-from station.results.documents import Errors, seen, to_text
+from station.own_effects import named_effect, whole_library
+from station.results.documents import seen, to_text
 from station.results.ladder import LADDER, KeptLadder, KeptStep, read_ladder, write_ladder
 from station.results.models import known_model, model_file, name_of, parsed_effect
 from station.settings import Settings
 from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session, weighing_of
 from station.story.residual import residual_words
-from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
+from station.suggestions import MEASURED_CURVE, did_you_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +71,6 @@ def open_refinement(
             format=1,
             steps=(_kept(step, begun.expressions, begun.words),),
             present=0,
-            floor=Errors(
-                force_mse_percent=force_floor_percent(prepared, prepared.restoring),
-                motion_percent=noise_percent(step.fit),
-                chi2=1.0,
-            ),
             seen=replaced,
         )
     weighing = weighing_of(session, settings, prepared.window.unit)
@@ -120,10 +114,7 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, str]:
             raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
         expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
     else:
-        try:
-            effect = find_effect(wanted, refinement.library)
-        except KeyError as error:
-            raise no_such_effect(wanted, [effect.name for effect in refinement.library]) from error
+        effect = named_effect(wanted, refinement.library)
     try:
         step = add_effect(top, effect)
     except ValueError as error:

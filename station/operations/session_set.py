@@ -15,6 +15,7 @@ from station.exits import Problem, UsageProblem
 from station.operations.refining import Refinement
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.diagnosis_pictures import NamedCurves, diagnosed_curves
+from station.results.session_names import session_folder
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -96,7 +97,9 @@ def by_reason(left_out: dict[str, str]) -> list[str]:
 
 
 def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, ...]:
-    """Open sessions (or data files); UsageProblem where two arguments mean the same one."""
+    """Open sessions (or data files); UsageProblem where one is not there, or two arguments mean the same one."""
+    for argument in arguments:  # before a file is imported
+        session_folder(argument, settings.sessions, "session or data file")
     sessions = tuple(open_session(argument, settings.sessions) for argument in arguments)
     if len({session.folder.resolve() for session in sessions}) < len(sessions):
         raise UsageProblem("one session was given twice; each release counts once")

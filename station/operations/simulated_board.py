@@ -1,13 +1,14 @@
 """The simulated board, started as a program of its own, and one release of it."""
 
 import contextlib
+import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
+from typing import Any
 
 from daq.capture import CaptureSettings
 from daq.session import Session
@@ -16,8 +17,6 @@ from station.operations.capturing import record
 from station.operations.new_session import capture_settings
 from station.output import progress
 from station.settings import Settings
-
-Done = TypeVar("Done")
 
 MASS_KG = 21.36
 """Of the bench that it simulates."""
@@ -48,15 +47,17 @@ def simulated_board(seed: int, speed: float, *more: str, module: str = "mocks") 
             process.terminate()
 
 
-def on_simulated(
-    act: Callable[[str], Done], seed: int, speed: float, *more: str, module: str = "mocks"
-) -> tuple[Done, str]:
-    """Do something at the port of the simulated board; return what came of it, and how the board was made, as JSON."""
+@contextlib.contextmanager
+def told_board(
+    seed: int, speed: float, *more: str, module: str = "mocks"
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Start the simulated board; give its port, and what is empty until the board has ended: how it was made."""
+    truth: dict[str, Any] = {}
     with TemporaryDirectory() as temporary:
         envelope = Path(temporary) / "truth.json"
         with simulated_board(seed, speed, *more, "--truth", str(envelope), module=module) as port:
-            done = act(port)
-        return done, envelope.read_text(encoding="utf-8")
+            yield port, truth
+        truth |= json.loads(envelope.read_bytes())
 
 
 def simulated_capture(settings: Settings, specimen: str, speed: float) -> CaptureSettings:
@@ -67,15 +68,13 @@ def simulated_capture(settings: Settings, specimen: str, speed: float) -> Captur
 
 def record_simulated(
     settings: Settings, specimen: str, seed: int, speed: float, folder: Path, with_viewer: bool, module: str
-) -> tuple[Session, int | None, str]:
-    """Record one release; return the session, the live viewer's port, and how the board was made, as JSON.
+) -> tuple[Session, int | None, dict[str, Any]]:
+    """Record one release; return the session, the live viewer's port, and how the board was made.
 
     The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
     """
-
-    def act(port: str) -> tuple[Session, int | None]:
+    with told_board(seed, speed, module=module) as (port, truth):
         progress(f"a simulated board answers at {port}")
-        return record(port, simulated_capture(settings, specimen, speed), folder, with_viewer)
-
-    (session, shown_at), made_of = on_simulated(act, seed, speed, module=module)
-    return session, shown_at, made_of
+        wanted = simulated_capture(settings, specimen, speed)
+        session, shown_at = record(port, wanted, folder, with_viewer)
+    return session, shown_at, truth

@@ -30,8 +30,7 @@ from station.results.models import ModelFile, known_model, read_model_file
 from station.results.sessions import open_session
 from station.results.validation_document import NAME, ValidatedDocument, ValidationDocument
 from station.settings import Settings
-from station.story.known_model import KnownModel
-from station.story.pipeline import Progress, silent
+from station.story.pipeline import KnownModel, Progress, silent
 from station.story.preparation import prepare_session
 from station.text.validation_text import left
 
@@ -105,7 +104,7 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
         session = opened_or_none(place.parent) if place.name == "results" else None
         fitted_to = () if session is None else (session,)
     else:
-        session = open_session(argument, settings.sessions)
+        session = open_session(argument, settings.sessions, what="model file or session")
         source, said = session.folder.name, f"the model of {session.folder.name}"
         file, fitted_to = _kept_model(session)
     return GivenModel(source, file, known_model(file, said, library), fitted_to)

@@ -2,19 +2,16 @@
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 from daq.session import Session
+from identify.fitting.fit import Fit
 from station.exits import UsageProblem
 from station.operations.identifying import identify_session
 from station.operations.refining import Refinement, open_refinement, step_again
 from station.output import progress
-from station.results.ladder import LADDER
+from station.results.ladder import LADDER, KeptLadder
 from station.settings import Settings
 from station.story.pipeline import Identification
-
-if TYPE_CHECKING:
-    from station.views.tabs import Steps
 
 VIEW = "identification.rrd"
 
@@ -47,7 +44,9 @@ def show_refined(refinement: Refinement, settings: Settings, port: int | None = 
         progress("the viewer shows the ladder: one tab a step")
 
 
-def _steps(session: Session, settings: Settings, refinement: Refinement | None) -> "Steps | None":
+def _steps(
+    session: Session, settings: Settings, refinement: Refinement | None
+) -> tuple[KeptLadder, tuple[Fit, ...]] | None:
     """Fit the steps up to the present one again from their values; None where the session was not refined."""
     if not (session.results / LADDER).is_file():
         return None

@@ -1,9 +1,8 @@
 """The sections of results: where the current model fails, suspects, ladder, equation of motion, both identifications."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from identify.curves.laid_over import DecayCurves
 from identify.fitting.fit import Fit
 from identify.formatting import SPACE, with_error
 from station.report.findings import Findings
@@ -101,15 +100,10 @@ def ladder(found: Findings) -> list[Part]:
 
 
 def curves_of(found: NamedCurves, look: Look = LIGHT) -> Figure:
-    """Draw the curves of sessions with the laws of their diagnosis."""
-    caption = curves_caption(found.names, found.curves)
-    return Figure(caption, diagnosis_figures.curves(found.curves, found.names, look))
-
-
-def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
-    """Explain points, bands and lines of the curves; `names` are those of the releases that were given."""
-    many = len(found.releases) > 1
-    kept = [names[curve.release] for curve in found.releases]
+    """Draw the curves of sessions with the laws of their diagnosis, and explain points, bands and lines."""
+    names, curves = found
+    many = len(curves.releases) > 1
+    kept = [names[curve.release] for curve in curves.releases]
     whose = f"each of {len(kept)} releases ({', '.join(kept)})" if many else "this release"
     words = [
         f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
@@ -117,17 +111,17 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
         "a viscous damper with the same loss: each cycle loses 4π times this ratio of the energy. A linear spring "
         "with viscous damping gives two level lines."
     ]
-    if any(laid.curves for laid in found.laws):
+    if any(laid.curves for laid in curves.laws):
         words.append(
             "Thin line: the usual model, as it is fitted. Thick line: the model with the named effects, "
             "simulated and evaluated in the same way. Broken line: an effect that explains nearly as much."
         )
         if many:
             words.append("Every line has the linear stiffness and viscous damping of its own release.")
-    left = [name for place, name in enumerate(names) if place not in {c.release for c in found.releases}]
+    left = [name for place, name in enumerate(names) if place not in {c.release for c in curves.releases}]
     if left:
         words.append(f"Too short for a curve: {', '.join(left)}.")
-    return " ".join(words)
+    return Figure(" ".join(words), diagnosis_figures.curves(curves, names, look))
 
 
 def equation(found: Findings) -> list[Part]:

@@ -1,7 +1,7 @@
 """What the pictures of a diagnosis are drawn from: curves with its laws, and maps of forces, made from the records."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from identify.curves.laid_over import DecayCurves, Law, Role, decay_curves
 from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
@@ -18,14 +18,8 @@ MOST_RIVALS = 2
 MOST = 3
 
 NamedMaps = tuple[tuple[str, ForceMap], ...]
-
-
-@dataclass(frozen=True, eq=False)
-class NamedCurves:
-    """Curves of some releases; `names` are those of the sessions that were given, by the releases' places."""
-
-    names: tuple[str, ...]
-    curves: DecayCurves
+NamedCurves = tuple[tuple[str, ...], DecayCurves]
+"""The names of the sessions that were given, by the releases' places, and the curves of their releases."""
 
 
 def diagnosed_curves(
@@ -53,7 +47,7 @@ def diagnosed_curves(
             _law(name, "rival", model, library) for name in document.rivals if (model := models.get(name))
         ]
     try:
-        return NamedCurves(names, decay_curves(decays, laws[: 2 + MOST_RIVALS]))
+        return names, decay_curves(decays, laws[: 2 + MOST_RIVALS])
     except NotIdentifiable:
         return None
 

@@ -58,14 +58,13 @@ class KeptStep(Part):
 
 
 class KeptLadder(Document):
-    """All steps, the place of the present one, the floor, and why the refinement stopped.
+    """All steps, the place of the present one, and why the refinement stopped.
 
     `seen` is the checksum of the file that it was read from, or is to replace (None for no file); it is not kept.
     """
 
     steps: tuple[KeptStep, ...] = Field(min_length=1)
     present: int = Field(ge=0)
-    floor: Errors
     stopped_because: str = ""
     verdict: str | None = None
     seen: str | None = Field(default=None, exclude=True)
@@ -74,11 +73,6 @@ class KeptLadder(Document):
     def top(self) -> KeptStep:
         """The present step."""
         return self.steps[self.present]
-
-    @property
-    def noise(self) -> Errors:
-        """What noise alone leaves beside the present step."""
-        return self.floor.model_copy(update={"motion_percent": self.top.floor_percent})
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some fields replaced."""
@@ -125,7 +119,7 @@ def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
             }
             for step in steps
         ],
-        "floor": ladder.noise.model_dump(exclude_none=True),
+        "floor": {"motion_percent": ladder.top.floor_percent, "chi2": 1.0},
         "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }

@@ -13,7 +13,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from station.exits import UsageProblem
-from station.story.known_model import KnownModel
+from station.story.pipeline import KnownModel
 from station.suggestions import one_line, read_named, refusal
 
 

@@ -49,14 +49,16 @@ class Imported:
         return not any(note.startswith(NO_RELEASE) for note in self.notes)
 
 
-def open_session(argument: str, sessions: Path, info: SessionInfo | None = None) -> Session:
-    """Return the session that the operator means.
+def open_session(
+    argument: str, sessions: Path, info: SessionInfo | None = None, what: str = "session or data file"
+) -> Session:
+    """Return the session that the operator means; `what` may be meant is said where it is none.
 
     `argument` is a session's folder, its name within `sessions` (or its beginning, or `last`: see
     `session_names`), or a data file, which is imported first (a second time it is opened, not imported
     again). Raises UsageProblem when it is none of these.
     """
-    path = session_folder(argument, sessions, "session or data file")
+    path = session_folder(argument, sessions, what)
     known = made_of(path, sessions) if path.is_file() else [path]
     if not known:
         return _import_on_the_way(path, sessions, info or SessionInfo())

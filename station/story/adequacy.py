@@ -13,7 +13,6 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
-from identify.formatting import damping_name
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
@@ -97,15 +96,10 @@ def farthest(methods: Sequence[Method]) -> tuple[str, float]:
     """Find the parameter in which two methods differ most, in standard errors; ("", 0) with fewer than two methods."""
     if len(methods) < 2:
         return "", 0.0
-    first, other = methods[0], methods[1]
-    pairs = [("stiffness K", first.stiffness, other.stiffness)]
-    pairs += [
-        (damping_name(order), *both)
-        for order, both in enumerate(zip(first.damping, other.damping, strict=False))
-    ]
-    distances = [(sigmas_apart(a, b), name) for name, a, b in pairs]
-    largest, name = max(distances)
-    return name, largest
+    first, other = (method.parameters for method in methods)
+    shared = [name for name in first if name in other and not name.startswith("stiffness of")]
+    sigmas, name = max((sigmas_apart(first[name], other[name]), name) for name in shared)
+    return name, sigmas
 
 
 def sigmas_apart(first: Estimate, other: Estimate) -> float:

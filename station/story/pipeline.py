@@ -9,7 +9,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -20,9 +20,10 @@ from identify.comparison.compare import Comparison, compare_fitted as compare_ba
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.model_error import ModelError, errors_of, noise_percent
+from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
+from identify.model.model import Model
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -31,7 +32,6 @@ from identify.restoring_force.restoring_force import RestoringForceResult, ident
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
 from station.story.adequacy import Adequacy, Method, needed_orders
 from station.story.engineering_values import Weighing
-from station.story.known_model import KnownModel
 from station.story.preparation import Options, locate
 from station.story.residual import residual_words
 
@@ -106,6 +106,38 @@ class Identification:
 
 
 @dataclass(frozen=True, eq=False)
+class KnownModel:
+    """A model, with its name in `words`; `remark` says why it is not another that one might expect.
+
+    `values` are those to fit from, by "effect.parameter" (none: from the data), `expressions` the operator's own effects.
+    """
+
+    model: Model
+    words: str = "the usual model"
+    values: dict[str, float] = field(default_factory=dict)
+    expressions: tuple[str, ...] = ()
+    remark: str = ""
+
+    def start(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float] | None:
+        """Find where a fit to some releases begins, by unknown's name: these values, the releases' own from their motions.
+
+        None where the data say all.
+        """
+        if not self.values:
+            return None
+        start = initial_values(decays, self.model, self.values)
+        for term in self.model.terms:
+            for parameter in term.free:
+                id = term.parameter(parameter.name)
+                if str(id) not in self.values:
+                    continue
+                for i in range(1 if term.is_force else len(decays)):
+                    own = id if term.is_force else id.of_release(i, len(decays))
+                    start[str(own)] = self.values[str(id)]
+        return start
+
+
+@dataclass(frozen=True, eq=False)
 class Compared:
     """A model as fitted to the session `name`, and where it fails; `words` say which model it is, `remark` why it
     is not another.
@@ -148,11 +180,6 @@ class Compared:
             f"{seen.horizon_cycles:.0f} cycles the same model leaves {residual_words(seen.motion_error, seen.chi_square)}, "
             "because the phase may drift with clock and temperature. The places and cycles below are those of that run."
         )
-
-    @property
-    def motion_floor(self) -> float:
-        """The residual of noise alone, in % of the rms of the motion."""
-        return noise_percent(self.judged.fit)
 
 
 def silent(*said: object) -> None:

@@ -42,7 +42,6 @@ class Watch(CaptureObserver):
         self._live = Live(console=self._console, refresh_per_second=REFRESH_HZ, transient=True)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
-        self._last = np.zeros(0)
 
     def __enter__(self) -> Self:
         self._live.start()
@@ -55,7 +54,7 @@ class Watch(CaptureObserver):
         """Print which board answered and what it measures."""
         self._also.connected(hello, channels)
         self._channels = channels
-        self._largest = self._last = np.zeros(len(channels))
+        self._largest = np.zeros(len(channels))
         names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in channels)
         self._line(f"board {hello.board}: {names}")
 
@@ -73,9 +72,8 @@ class Watch(CaptureObserver):
         self._also.block(first_index, samples)
         if samples.shape[1] == 0:
             return
-        self._last = samples[:, -1]
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
-        self._live.update(self._levels())
+        self._live.update(self._levels(samples[:, -1]))
 
     def loss(self, gap: Gap) -> None:
         """Print a loss at once."""
@@ -85,9 +83,9 @@ class Watch(CaptureObserver):
     def _line(self, text: str) -> None:
         self._console.print(Text(typeset(text)), soft_wrap=True)
 
-    def _levels(self) -> Table:
+    def _levels(self, last: Array) -> Table:
         table = Table.grid(padding=(0, 2))
-        for channel, value, largest in zip(self._channels, self._last, self._largest, strict=True):
+        for channel, value, largest in zip(self._channels, last, self._largest, strict=True):
             factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             share = float(value / largest) if largest > 0.0 else 0.0
             table.add_row(

@@ -3,6 +3,7 @@
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.fitting.model_error import noise_percent
 from identify.formatting import plain_name, scaled, three_figures
 from station.story.pipeline import Compared
 from station.story.residual import floor_words
@@ -17,9 +18,10 @@ def told(compared: Compared) -> Told:
     """Tell a comparison."""
     found, fit, error = compared.comparison, compared.baseline.fit, compared.error
     cycles = error.horizon_s * fit.frequency / (2.0 * np.pi)
+    alone = three_figures(noise_percent(compared.judged.fit))
     noise = (
-        f"{three_figures(compared.motion_floor)} % of the motion, {floor_words(error.floor_std)} times the noise, in a "
-        f"free run of {three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
+        f"{alone} % of the motion, {floor_words(error.floor_std)} times the noise, in a free run "
+        f"of {three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
     )
     force = (
         f"{three_figures(error.force_mse_percent)} % of its mean square at the measured motion is left; "

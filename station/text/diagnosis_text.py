@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from identify.formatting import DASH, among, plain_name, three_figures, with_error
+from identify.formatting import DASH, among, plain_name, three_figures
 from identify.judging.verdict import HEADLINES
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import (
@@ -24,8 +24,6 @@ TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
-_DECIMALS = {"%": 2, "Hz": 5}
-_FIGURES = 4
 
 
 def headline(document: DiagnosisDocument) -> str:
@@ -231,18 +229,12 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
 
 
 def _cell(found: EstimateDocument) -> str:
-    """Write four figures of a value, or two decimals of a percentage, with the error rounded up; "0" for none."""
-    value, std = found.value, found.std
-    if value is None or (value == 0.0 and std == 0.0):
-        return DASH if value is None else "0"
-    if found.unit not in _DECIMALS and not 1e-3 <= abs(value) < 1e5:
-        return three_figures(value) if std is None else with_error(value, std)
-    most = _DECIMALS.get(found.unit) or max(_FIGURES - 1 - math.floor(math.log10(abs(value))), 0)
-    if std is None:
-        return f"{value:.{most}f}"
-    decimals = min(max(-math.floor(math.log10(std)), 0) if std > 0.0 else most, most)
-    up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals
-    return f"{value:z.{decimals}f} ± {up:.{decimals}f}"
+    """Write three figures of a value, and its error rounded up to the same decimals."""
+    number = three_figures(found.value)
+    if not found.std or "×" in number:
+        return number
+    decimals = len(number.partition(".")[2])
+    return f"{number} ± {math.ceil(found.std * 10**decimals) / 10**decimals:.{decimals}f}"
 
 
 def next_command(document: DiagnosisDocument, folders: list[Path]) -> tuple[str | Path, ...]:

@@ -34,6 +34,7 @@ class GuideScreen:
     def __init__(self, console: Console, *, alone: bool) -> None:
         self._console, self._alone = console, alone
         self._odds: dict[str, float] = {}
+        self.observer: CaptureObserver = Watch()
 
     def asks(self, number: int, told: Guidance) -> None:
         """Print what to release, and why."""
@@ -45,10 +46,6 @@ class GuideScreen:
         self._console.print(labelled("why", told.words))
         if not self._alone:
             self._console.print(labelled("do", "hold it still until it is armed, then let go"))
-
-    def observer(self) -> CaptureObserver:
-        """Return the observer that prints the levels of a capture."""
-        return Watch()
 
     def provisional(self, answer: str) -> None:
         """Print a first answer while the decay is still running."""

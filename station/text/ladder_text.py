@@ -43,7 +43,7 @@ def steps_table(ladder: KeptLadder) -> Table:
         )
         marks.append("above" if place > ladder.present else "present" if place == ladder.present else "")
     floor = floor_words(ladder.top.error.chi2_std)
-    rows.append(("", "noise alone", three_figures(ladder.noise.motion_percent), floor, ""))
+    rows.append(("", "noise alone", three_figures(ladder.top.floor_percent), floor, ""))
     head = ("step", "effect", "% of motion", "times noise", "change")
     return Table("", head, tuple(rows), texts=2, marks=(*marks, "noise"))
 

@@ -10,17 +10,14 @@ from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 
 TONES: dict[str, Tone] = {"predicts_better": "good", "no_better": "unsure", "predicts_worse": "bad"}
-MOST_ROWS = 40
 
 
 def told(document: ValidationDocument) -> Told:
     """Tell a validation."""
     others = [name for name in document.fitted_to if name != document.source]
     source = f"{document.source}, fitted to {', '.join(document.fitted_to)}" if others else document.source
-    more = len(document.sessions) - MOST_ROWS
     model = " + ".join(plain_name(name) for name in document.model.names)
     rows = [
-        ("more", f"{more} sessions are in --json" if more > 0 else ""),
         ("usual", sentence(BASIS[document.usual_from])),
         ("refitted", _refitted(document)),
         *(("skipped", f"{one.session}: {one.reason}") for one in document.skipped),
@@ -32,7 +29,7 @@ def told(document: ValidationDocument) -> Told:
 def predictions(document: ValidationDocument) -> Table:
     """Make the table of the errors of prediction of each session, by the usual model and by this one."""
     rows, marks = [], []
-    for one in document.sessions[:MOST_ROWS]:
+    for one in document.sessions:
         word = "better" if one.better else "worse" if one.worse else "alike"
         both = (one.usual, one.model)
         errors = (*(m.motion_percent for m in both), *(noise_multiple(m.chi2) for m in both))

@@ -48,6 +48,7 @@ class GuideRun(CaptureRun):
 
     def __init__(self, board: AbstractContextManager[str], test: GuidedTest) -> None:
         self.guide, self._test = GuideNow(), test
+        self.observer: CaptureObserver = self
         super().__init__(board, test.capture, test.folder)
 
     def asks(self, number: int, told: Guidance) -> None:
@@ -56,10 +57,6 @@ class GuideRun(CaptureRun):
         duration = self._test.capture.duration_s * told.experiment.longer
         self._settings = replace(self._test.capture, duration_s=duration)
         self.guide = replace(self.guide, to_do=f"Release {number}: {to_do(told)}", why=told.words)
-
-    def observer(self) -> CaptureObserver:
-        """Return the observer of a capture."""
-        return self
 
     def provisional(self, answer: str) -> None:
         """Note a first answer."""

@@ -196,11 +196,10 @@ class Page:
 
     def _show_busy(self, session: SessionState) -> None:
         """Show what runs. The loop takes no clicks while it computes; what it shows stays readable."""
-        words, running = "", session.running
-        seconds = time.monotonic() - running.since if running is not None else 0.0
-        if running is not None and seconds > SLOW_S:
+        words, seconds = "", time.monotonic() - session.since
+        if session.running and seconds > SLOW_S:
             doing = session.progress or "waiting for a free worker"
-            words = f"{running.title}: {doing} ({seconds:.0f} s)"
+            words = f"{session.running}: {doing} ({seconds:.0f} s)"
         self._busy.show(words, session.share_done)
         for place in (self._right, self._tabs):
             if bool(place.props.get("inert")) != bool(words):
@@ -230,7 +229,7 @@ class Page:
         self._right.set_visibility(self._head_tabs.value != RERUN)
         self._ladder.content = part("fall", view, bool(session.earlier), switched_off(view.ladder))
         self._cards.show(view)
-        if self._head_tabs.value in (DETAILS, NUMBERS) and session.running is None:
+        if self._head_tabs.value in (DETAILS, NUMBERS) and not session.running:
             background_tasks.create(self._open_tab())
         self._feed.send()
 

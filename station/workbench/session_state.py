@@ -24,16 +24,11 @@ from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
 
 
-@dataclass(frozen=True)
-class Running:
-    """A computation under way: what it is called, and since when (monotonic s)."""
-
-    title: str
-    since: float
-
-
 class SessionState:
-    """The state of one session on the page; `version` grows with every change, and `news` tells the tabs at once."""
+    """The state of one session on the page; `version` grows with every change, and `news` tells the tabs at once.
+
+    `running` is what the computation under way is called, "" for none, and `since` when it began (monotonic s).
+    """
 
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder, self.workers = folder, workers
@@ -42,8 +37,8 @@ class SessionState:
         self.suspects = Drawn()
         self.earlier: list[KeptLadder] = []
         self._others: tuple[Path, ...] = ()
-        self.problem = self.notice = self.progress = ""
-        self.running: Running | None = None
+        self.problem = self.notice = self.progress = self.running = ""
+        self.since = 0.0
         self.version = 0
         self.news = Event[[]]()
         self._job: asyncio.Future[View] | None = None
@@ -64,15 +59,15 @@ class SessionState:
 
     def open(self) -> None:
         """Look at the session unless it is known as its results stand."""
-        if self.running is None and (self.view is None or self.view.stamp != results_stamp(self.folder)):
+        if not self.running and (self.view is None or self.view.stamp != results_stamp(self.folder)):
             self.start("Reading and fitting", tasks.look)
 
     def start(self, title: str, task: Task, *arguments: Any) -> bool:
         """Begin a task that returns a view; False while another is under way."""
-        if self.running is not None:
-            self.say(f"{self.running.title} is under way; wait, or cancel it")
+        if self.running:
+            self.say(f"{self.running} is under way; wait, or cancel it")
             return False
-        self.running = Running(title, time.monotonic())
+        self.running, self.since = title, time.monotonic()
         self.progress = self.problem = ""
         self.notice = self.notice if task is tasks.look else ""
         self.version += 1  # shown in a moment: the task goes first
@@ -124,7 +119,7 @@ class SessionState:
             else:
                 self.notice = str(failure)
         finally:
-            self.running, self._job = None, None
+            self.running, self._job = "", None
             self.changed()
         await self._complete()
         if done and arguments[:1] in ((refining.add,), (refining.remove,)):
@@ -139,7 +134,7 @@ class SessionState:
 
     def _hear(self, said: str | View | Drawn) -> None:
         """Note what a worker says; what was found so far is shown at once."""
-        if isinstance(said, str) and self.running is not None:
+        if isinstance(said, str) and self.running:
             self.progress = said
             return
         if isinstance(said, str):  # what it finds cannot be kept

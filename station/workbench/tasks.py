@@ -12,7 +12,6 @@ from daq.exporting import encode
 from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
-from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
@@ -53,7 +52,8 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     opened.draw_step(ladder.top)
     if kept := kept_diagnosis(session):
         opened.diagnoses[tuple(kept.model.effects)] = kept
-    effects = _effects(ladder)
+    own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
+    effects = {effect.name: effect for effect in (*LIBRARY, *map(parsed_effect, own))}
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
@@ -68,12 +68,6 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
         weighing,
         session.info.specimen.startswith("mystery "),
     )
-
-
-def _effects(ladder: KeptLadder) -> dict[str, Effect]:
-    """Return the effects of the library, and the user's own in the ladder, by name."""
-    own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
-    return {effect.name: effect for effect in (*LIBRARY, *(parsed_effect(text) for text in own))}
 
 
 def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any], *wanted: Any) -> View:

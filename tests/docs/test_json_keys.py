@@ -15,8 +15,7 @@ from station.results.documents import Document
 from station.results.guide_document import GuideDocument
 from station.results.identification_document import identification_document
 from station.results.validation_document import ValidationDocument
-from station.story.known_model import KnownModel
-from station.story.pipeline import compare
+from station.story.pipeline import KnownModel, compare
 from tests.docs.test_pages import COMMANDS_PAGE
 from tests.station.synthetic import identification
 

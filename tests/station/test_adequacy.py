@@ -1,7 +1,7 @@
 """The model that was identified is judged on its own record, before anybody quotes a value of it."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +16,7 @@ from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
+from identify.identified import Identified
 from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
@@ -34,20 +35,13 @@ from station.story.residual import residual_words
 MASS = 21.36
 
 
-@dataclass(frozen=True)
-class Found:
-    """What a method found, as far as the judgement looks at it."""
-
-    order: int
-    stiffness: Estimate
-    damping: tuple[Estimate, ...]
-    stiffness_by_order: dict[int, Estimate] = field(default_factory=dict)
-
-
 def found(order, k=600.0, mu_0=0.1, cubic=None):
     by_order = {1: Estimate(k, 0.01, "1/s^2")} | ({} if cubic is None else {3: cubic})
     damping = tuple(Estimate(mu_0, 0.001, "m/s^2") for _ in range(order + 1))
-    return Found(order, by_order[1], damping, by_order)
+    return Identified(
+        stiffness_by_order=by_order, stiffness_per_mass=by_order[1], damping=damping, order=order, reason="",
+        mse_percent_by_order=(),
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")

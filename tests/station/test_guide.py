@@ -87,11 +87,10 @@ def test_a_release_that_went_over_the_range_of_a_sensor_is_taken_again_from_a_sm
     asked: list[tuple[float, str]] = []
 
     class Watching:
+        observer = None
+
         def asks(self, number, told):
             asked.append((told.experiment.amplitude, told.words))
-
-        def observer(self):
-            return None
 
         def judged(self, turn, document):
             assert document is None

@@ -18,7 +18,7 @@ from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
 from station.results.documents import to_text
 from station.results.models import known_model, model_file, read_model, read_model_file
-from station.story.known_model import KnownModel
+from station.story.pipeline import KnownModel
 
 VALUES = {
     "linear_stiffness.k": Estimate(613.9, 0.002, "1/s^2"),

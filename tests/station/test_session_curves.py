@@ -46,8 +46,8 @@ def again(kept, **changed):
 
 
 def test_the_named_model_follows_the_curve_where_the_usual_one_does_not(kept):
-    (measured,) = kept.shown.curves.releases
-    usual, named = kept.shown.curves.laws[:2]
+    (measured,) = kept.shown[1].releases
+    usual, named = kept.shown[1].laws[:2]
     assert (usual.law.role, named.law.name) == ("usual", "cubic_stiffness")
     large = measured.amplitude > 0.5 * measured.amplitude.max()  # below, dry friction bends the frequency too
     rise = np.ptp(backbone(measured.amplitude[large]))
@@ -62,18 +62,18 @@ def test_a_document_of_before_draws_the_usual_model_alone(kept):
     assert plain.pop("final")["effects"][-1]["effect"] == "cubic_stiffness"
     old = type(kept.document).model_validate(plain)
     shown = again(kept, final=old.final)
-    assert [laid.law.role for laid in shown.curves.laws] == ["usual"]
+    assert [laid.law.role for laid in shown[1].laws] == ["usual"]
 
 
 def test_sessions_diagnosed_together_are_in_one_picture_and_those_that_are_gone_are_not(kept):
     shown = again(kept, sessions=["again", DUFFING.stem, "gone", "../sessions/again"])
-    assert shown.names == (DUFFING.stem, "again")
-    assert [len(laid.curves) for laid in shown.curves.laws] == [2] * len(shown.curves.laws)
+    assert shown[0] == (DUFFING.stem, "again")
+    assert [len(laid.curves) for laid in shown[1].laws] == [2] * len(shown[1].laws)
 
 
 def test_a_rival_is_laid_over_in_place_of_what_was_named(kept):
     shown = again(kept, rivals=["quintic_stiffness", "settling_stiffness"])
-    rivals = [laid.law for laid in shown.curves.laws if laid.law.role == "rival"]
+    rivals = [laid.law for laid in shown[1].laws if laid.law.role == "rival"]
     assert [law.name for law in rivals] == ["quintic_stiffness", "settling_stiffness"]
     assert all("cubic_stiffness" not in law.model for law in rivals)
 
@@ -86,7 +86,7 @@ def test_the_free_form_of_a_pendulum_over_time_is_a_torque():
 
 
 def test_the_report_shows_what_was_found(kept):
-    picture = diagnosis_figures.curves(kept.shown.curves, kept.shown.names).uri
+    picture = diagnosis_figures.curves(kept.shown[1], kept.shown[0]).uri
     drawing = base64.b64decode(picture.partition(",")[2])
     assert b"<svg" in drawing
     assert b"with cubic stiffness" in drawing

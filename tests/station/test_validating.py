@@ -65,9 +65,7 @@ def kept(bench):
     step = KeptStep(
         model=model_file(), error={"chi2_std": 0.05}, nuisances={}, floor_percent=0.5, at_floor=True
     )
-    write_ladder(
-        Session.open(bench / "sessions" / "a"), KeptLadder(format=1, steps=(step,), present=0, floor={})
-    )
+    write_ladder(Session.open(bench / "sessions" / "a"), KeptLadder(format=1, steps=(step,), present=0))
     return bench
 
 

@@ -16,7 +16,7 @@ from station.operations.workers import on_the_page
 from station.settings import Settings
 from station.story.engineering_values import UNKNOWN
 from station.workbench import tasks
-from station.workbench.session_state import AppState, Running, SessionState
+from station.workbench.session_state import AppState, SessionState
 from station.workbench.view_models import Drawn
 
 
@@ -196,7 +196,7 @@ def test_the_page_names_no_option_of_a_command(typed, shown):
 def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():
     session = SessionState(Path("none"), Answering({}))  # type: ignore[arg-type]
     assert session.share_done is None
-    session.running = Running("Trying every effect", 0.0)
+    session.running = "Trying every effect"
     for words, share in (
         ("fit 12 of 48", 0.25),
         ("drawing suspect 8 of 8", 1.0),
