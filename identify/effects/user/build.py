@@ -1,20 +1,22 @@
 """Making a user's own effect of its draft: what can be fitted is compiled, what cannot is refused."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
+from typing import Any
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import STATES, force_function, rate_function
+from identify.effects.compiled import PARAMETERS, STATES, force_function, rate_function
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.user.draft import Draft
-from identify.effects.user.equilibrium import comes_to_rest, rest_function
 from identify.effects.user.formula import ZERO, to_compile
 from identify.effects.user.initial_values import combinations, problem_of, starts_of
 from identify.effects.user.linearity import Draw, acting_together, check_values, points_near
 
+_DRAWS = 12
 _NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
 
 
@@ -34,7 +36,7 @@ def finished(
     if states:
         padded = (*draft.rates, *[ZERO] * (STATES - states))
         rates = rate_function(to_compile(padded, draft.names), cache=False)
-    settles = bool(states) and comes_to_rest(rates, states, draw)
+    settles = bool(states) and _comes_to_rest(rates, states, draw)
     even = _even(draft, draw)
     return ForceEffect(
         name=draft.name,
@@ -46,7 +48,7 @@ def finished(
         force=force_function(draft.force, cache=False),
         friction=None if draft.friction is None else force_function(draft.friction, cache=False),
         rates=rates,
-        equilibrium_state=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
+        equilibrium_state=(_rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
         if states
         else None,
         states=states,
@@ -132,3 +134,42 @@ def _even(draft: Draft, draw: Draw) -> frozenset[str]:
 def _same(first: Array, second: Array) -> bool:
     size = float(np.max(np.abs(np.nan_to_num(first)), initial=0.0))
     return bool(np.allclose(first, second, rtol=1e-9, atol=1e-12 * size, equal_nan=True))
+
+
+def _comes_to_rest(rates: Any, states: int, draw: Draw) -> bool:
+    """Check by the eigenvalues of their rates whether the internal states settle while the mass is held still."""
+    from scipy.optimize import approx_fprime  # loaded when it is needed
+
+    random = np.random.default_rng(2)
+    for _ in range(_DRAWS):
+        u, *z = random.uniform(-0.1, 0.1, 3)
+        held = _rates_at(rates, states, u, np.array(list(draw(random).values())))
+        slopes = np.reshape(approx_fprime(np.array(z[:states]), held), (states, states))
+        if not np.isfinite(slopes).all():
+            return False
+        if not np.linalg.eigvals(slopes).real.max() < -1e-6 * max(float(np.max(np.abs(slopes))), 1e-300):
+            return False
+    return True
+
+
+def _rest_function(rates: Any, states: int) -> Callable[[float, Array], tuple[float, float]]:
+    """Return the function (u, p) of the states at which compiled rates vanish, sought from (u, 0); zeros without any."""
+    from scipy.optimize import root  # loaded when it is needed
+
+    def rest(u: float, p: Array) -> tuple[float, float]:
+        found = root(_rates_at(rates, states, u, p), [u, 0.0][:states], tol=1e-12)
+        z = [*found.x, 0.0] if found.success else [0.0, 0.0]
+        return float(z[0]), float(z[1])
+
+    return rest
+
+
+def _rates_at(rates: Any, states: int, u: float, p: Array) -> Callable[[Array], Array]:
+    """Return the rates (states,) of the states at a displacement and at parameters."""
+    given = (*(float(x) for x in p), *[0.0] * (PARAMETERS - len(p)))
+
+    def at(z: Array) -> Array:
+        first, second = (*(float(x) for x in z), 0.0)[:2]
+        return np.array(rates(0.0, u, 0.0, (first, second), given))[:states]
+
+    return at
