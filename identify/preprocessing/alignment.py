@@ -10,7 +10,7 @@ from identify.formatting import quantity
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_levels
-from identify.preprocessing.usable import HAND_S
+from identify.preprocessing.release import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude

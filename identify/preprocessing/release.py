@@ -11,13 +11,15 @@ from identify.free_decay import CHANNELS, FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
 from identify.preprocessing.sampling import block_means, first_gap, over_gaps, too_coarse
-from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
 from identify.signal.running import running_maximum, running_median, running_minimum, runs_of
 from identify.signal.smoothing import without_line
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
+
+HAND_S = 0.030
+"""A hand has surely let go this long after the release: it takes 20 ms at most, and channels differ by 3 ms."""
 
 LEAD_S = 0.015
 """The rest ends this long before the release: half a slow hand, and an early channel."""
@@ -245,7 +247,7 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
         return None
     noise = channel.noise / np.sqrt(step)
     size = float(np.std(coarse[last - round(turn) : last])) * np.sqrt(2.0)
-    force, uncertainty = unfree(coarse[first:last], turn, noise, 0.08 * size)
+    force, uncertainty = unfree(coarse[first:last], turn, noise)
     runs = runs_of(np.abs(force) > max(UNFREE_SHARE * size, 4.0 * uncertainty))
     runs = [run for run in runs if run[1] < last - first - 2]
     if not runs or size <= 0.0:

@@ -78,10 +78,11 @@ def frequency_reach(found: WaveletResult) -> tuple[float, float]:
 def _backbone(axis: Axes, found: WaveletResult, length: str, look: Look) -> None:
     """Draw amplitude over frequency on the ridge, and of the fit."""
     (factor, name), (middle, half) = scale("displacement", length), frequency_reach(found)
-    every = max(1, len(found.backbone_frequency) // MOST_DOTS)
-    amplitude = found.backbone_amplitude[::every] * factor
-    axis.plot(found.backbone_frequency[::every], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
-    axis.plot(found.backbone_fit[::every], amplitude, color=look.model, lw=1.4, label="averaged model")
+    shown = np.flatnonzero(found.trusted)
+    shown = shown[:: max(1, len(shown) // MOST_DOTS)]
+    amplitude = found.envelope[shown] * factor
+    axis.plot(found.frequency[shown], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
+    axis.plot(found.frequency_fit[shown], amplitude, color=look.model, lw=1.4, label="averaged model")
     limits = (middle - half, middle + half)
     axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"))
     axis.set_ylim(0, 1.25 * float(np.max(amplitude, initial=1e-12)))  # with room for the legend
