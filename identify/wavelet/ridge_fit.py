@@ -30,6 +30,8 @@ WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12
 POINTS_PER_CYCLE = 8
 _MOST_POINTS = 400
 _SETTLED = 0.05
+_ROUNDS = 30
+_ASTRAY = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +69,7 @@ class Observed:
 class RidgeFit:
     """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
 
-    `bias_envelope` and `bias_phase` are what was taken off; `settled` says whether another round would change
-    nothing. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of
-    the exact decay, where the two differ by more than a little.
+    `bias_envelope` and `bias_phase` are what was taken off. `step` is the time between points, s.
     """
 
     envelope_fit: EnvelopeFit
@@ -80,8 +80,6 @@ class RidgeFit:
     bias_envelope: Array
     bias_phase: Array
     step: float
-    settled: bool = False
-    mixing: Array | None = None
 
     @property
     def order(self) -> int:
@@ -182,40 +180,42 @@ def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -
     return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
 
 
-def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit:
+def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
 
-    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times. Where a round leads to a motion that runs
-    away, the one before it is the last; RunsAway where the first does.
+    "Nothing" is a twentieth of the envelope's noise; at most 30 times, which strong damping needs. Where a round changes
+    twice as much as the least one, or leads to a motion that runs away, the fit before the least one counts; RunsAway where
+    the first does.
     """
-    sound = fit
-    for at in range(rounds):
+    sound, least = fit, np.inf
+    for at in range(_ROUNDS):
         try:
             seen, phase = seen_of(observed, fit)
         except RunsAway:
             if not at:
                 raise
             return sound
-        sound = fit
         bias_envelope, bias_phase = seen - fit.envelope_fit.fit, phase - fit.phase_fit.fit
         more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
         envelope, phases = fit.envelope - more, fit.phase - later
         size = np.abs(envelope)
-        fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
-        phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
         change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
-        settled = bool(np.all(change < _SETTLED * np.sqrt(observed.variance)))
+        largest = float(np.max(change / np.sqrt(observed.variance)))
+        if largest > _ASTRAY * least:
+            return sound
+        if largest < least:
+            sound, least = fit, largest
         fit = replace(
             fit,
-            envelope_fit=fitted,
-            phase_fit=phase_fit,
+            envelope_fit=fit_envelope(
+                envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1
+            ),
+            phase_fit=fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight),
             envelope=envelope,
             phase=phases,
             bias_envelope=bias_envelope,
             bias_phase=bias_phase,
-            settled=settled,
-            mixing=None,
         )
-        if settled:
+        if largest < _SETTLED:
             break
     return fit

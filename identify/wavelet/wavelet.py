@@ -30,12 +30,12 @@ from identify.wavelet.ridge_fit import (
     envelope_and_phase,
     exact_decay,
     first_fit,
+    free_of_bias,
     observe,
     other_backbone,
     other_order,
     parameters_of,
 )
-from identify.wavelet.ridge_newton import settle
 from identify.wavelet.ridge_spread import clearances_of, spreads_of
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
@@ -97,7 +97,7 @@ def identify_wavelet(
     """
     decay, begins = block_averaged(aligned(decay))
     start, observed = _observed(decay)
-    fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
+    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)))
     wanted = {1, *stiffness_orders} & set(STIFFNESS_ORDERS[-1])
     tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
     fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
@@ -142,7 +142,7 @@ def _with_orders(
             fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=tried[best]
         )
         try:
-            settled = settle(observed, changed)
+            settled = free_of_bias(observed, changed)
             if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
                 raise RunsAway
             fit = settled
