@@ -244,7 +244,7 @@ def _without_reversals(
         return window
     share = _REVERSAL_MARGIN + (_REVERSAL_IN_BLOCK if averaged else 0.0)
     timing = np.abs(motion.acceleration) * share / motion.rate
-    margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
+    margin = timing + 4.0 * motion.noise_velocity + 0.5 * friction / motion.rate
     clear = np.abs(motion.velocity) >= margin
     return window.with_(used=window.used | {"acceleration": window.used["acceleration"] & clear})
 

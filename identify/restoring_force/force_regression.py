@@ -8,7 +8,7 @@ import numpy as np
 from identify.algebra import whiten
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
-from identify.restoring_force.force_window import ForceWindow, noise_velocity
+from identify.restoring_force.force_window import ForceWindow
 from identify.restoring_force.surface import Polynomial
 from identify.restoring_force.velocity_sign import (
     Direction,
@@ -82,7 +82,7 @@ def fit_orders(
 
     direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, window.blur)
     band = _covariance(window, windows, mu_1, k_1)
-    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(window))
+    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, motion.noise_velocity)
     found = rows(direction)
     best = _solved(found, factor_of(band), max(max_order, 1), len(others))
     misfit = best.chi_square > _MISFIT

@@ -93,13 +93,5 @@ def points_of(window: ForceWindow) -> NDArray[np.int_]:
     reach = min(_REACH, int(0.05 * 2 * np.pi * window.motion.rate / window.angular_frequency))
     for shift in range(1 - reach, reach + 1):
         turned[np.clip(reversal + shift, 0, len(v) - 1)] = True
-    least = _SURE_SIGN * (window.motion.noise_velocity or 0.0)
+    least = _SURE_SIGN * window.motion.noise_velocity
     return np.asarray(window.first + np.flatnonzero(window.valid & ~turned & (np.abs(v) > least)))
-
-
-def noise_velocity(window: ForceWindow) -> float:
-    """Return the standard error of a velocity of the motion, m/s."""
-    if window.motion.noise_velocity is not None:
-        return window.motion.noise_velocity
-    w = np.array([window.angular_frequency])
-    return float(w[0] * np.sqrt(window.noise(w)[0]))
