@@ -6,20 +6,16 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 
-BINS = 25
-"""Of a section."""
-
 
 @dataclass(frozen=True, eq=False)
 class Section:
     """A cut of the surface, shape (n,) each.
 
-    `position` (m or m/s), the measured force per unit mass with its standard error, and the fit.
+    `position` (m or m/s) in ascending order, the measured force per unit mass, and the fit.
     """
 
     position: Array
     force: Array
-    std: Array
     fit: Array
 
 
@@ -51,43 +47,18 @@ def sections_of(
 ) -> tuple[Section, Section]:
     """Return the sections at v = 0 and at u = 0 of the measured points (n,).
 
-    Points within a tenth of the largest velocity (displacement) of the cut are carried onto it along the fitted surface and
-    averaged in bins; the sign of a velocity of zero counts as none, so the first section is elastic.
+    Points within a tenth of the largest velocity (displacement) of the cut are carried onto it along the fitted surface;
+    the sign of a velocity of zero counts as none, so the first section is elastic.
     """
     residual = force - polynomial(displacement, velocity)
-    near_v = np.abs(velocity) < 0.1 * np.max(np.abs(velocity))
-    near_u = np.abs(displacement) < 0.1 * np.max(np.abs(displacement))
     elastic = polynomial.elastic(displacement)
     dissipative = polynomial.dissipative(velocity) + polynomial.offset
-    at_rest = _binned(displacement[near_v], (residual + elastic)[near_v])
-    at_zero = _binned(velocity[near_u], (residual + dissipative)[near_u])
-    return (
-        Section(*map(frozen, (*at_rest, polynomial.elastic(at_rest[0])))),
-        Section(*map(frozen, (*at_zero, polynomial.dissipative(at_zero[0]) + polynomial.offset))),
+    return _section(displacement, velocity, elastic, residual), _section(
+        velocity, displacement, dissipative, residual
     )
 
 
-def _binned(position: Array, force: Array) -> tuple[Array, Array, Array]:
-    if len(position) < 2:
-        return np.zeros(0), np.zeros(0), np.zeros(0)
-    edges = np.linspace(np.min(position), np.max(position) * (1 + 1e-12) + 1e-300, BINS + 1)
-    cell = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, BINS - 1)
-    count = np.bincount(cell, minlength=BINS)
-    full = count > 0
-    mean = np.bincount(cell, force, BINS)[full] / count[full]
-    centre = np.bincount(cell, position, BINS)[full] / count[full]
-    slope = np.polyfit(position, force, 1)[0] if len(position) > 2 else 0.0
-    flat = force - slope * position
-    spread = np.sqrt(
-        np.maximum(
-            np.bincount(cell, flat**2, BINS)[full] / count[full]
-            - (np.bincount(cell, flat, BINS)[full] / count[full]) ** 2,
-            0.0,
-        )
-    )
-    typical = float(np.sqrt(np.mean(spread**2))) or float(np.std(flat))
-    return (
-        centre,
-        mean,
-        np.where(count[full] > 4, np.maximum(spread, 0.3 * typical), typical) / np.sqrt(count[full]),
-    )
+def _section(along: Array, across: Array, fit: Array, residual: Array) -> Section:
+    near = np.flatnonzero(np.abs(across) < 0.1 * np.max(np.abs(across)))
+    near = near[np.argsort(along[near])]
+    return Section(frozen(along[near]), frozen((fit + residual)[near]), frozen(fit[near]))

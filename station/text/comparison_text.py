@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled, three_figures
 from station.story.pipeline import Compared
 from station.story.residual import floor_words, times
@@ -34,7 +33,6 @@ def told(compared: Compared) -> Told:
         ("long record", compared.one_run),
         *places[FEW_PLACES:],
         ("noise", floor_text(compared)),
-        ("harmonics", harmonics_text(compared)),
     ]
     return Told(
         sentence(f"{compared.words} leaves {compared.left}"),
@@ -68,21 +66,3 @@ def floor_text(compared: Compared) -> str:
         unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
         parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
     return typeset(f"used by the fit: {'; '.join(parts)}")
-
-
-def harmonics_text(compared: Compared) -> str:
-    """List the harmonics of the residual force that stand out of the noise."""
-    found = compared.comparison
-    units, orders = DiscrepancyText(found.unit, found.mass), found.harmonics
-    parts = []
-    for i, order in enumerate(orders.order):
-        if orders.significance[i] > 4.0:
-            amount = scaled(float(orders.amplitude[i]) * units.force_scale, units.force_unit)
-            phase = round(float(np.degrees(orders.phase[i])))
-            sure = f"({orders.significance[i]:.0f} sigma)"
-            parts.append(
-                f"constant: {amount} {sure}"
-                if order == 0
-                else f"{order:.0f} times the frequency: {amount} at {phase}° {sure}"
-            )
-    return typeset("; ".join(parts)) or "none of the residual force stands out of the noise"

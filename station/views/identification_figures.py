@@ -12,7 +12,7 @@ from identify.wavelet.wavelet import WaveletResult
 from station.story.engineering_values import Weighing
 from station.story.pipeline import Identification
 from station.text.numbers import scale, scale_as_recorded
-from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, Picture, figure, literal, zero_lines
 from station.views.palette import LIGHT, Look
 
 SINCE = "time since the release [s]"
@@ -151,7 +151,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
 
 
 def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT) -> Picture:
-    """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
+    """Draw the cuts through the surface where velocity or displacement is zero."""
     length, (size, unit) = weighing.unit, weighing.force_scale
     factor, name = scale("displacement", length)
     drawn, axes = figure(look, 2.3, 1, 2)
@@ -160,8 +160,8 @@ def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT
         found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping",
     )  # fmt: skip
     for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
-        x = cut.position * factor
-        points(axis, x, cut.force * size, cut.std * size, "o", look.measured, "measured, 2 std. errors")
+        x, every = cut.position * factor, max(1, len(cut.position) // MOST_DOTS)
+        axis.plot(x[::every], cut.force[::every] * size, "o", color=look.measured, ms=2.5, label="measured")
         axis.plot(x, cut.fit * size, color=look.model, lw=1.4, label="fit")
         zero_lines(axis, look)
         axis.set(xlabel=literal(label), title=title)

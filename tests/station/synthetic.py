@@ -90,7 +90,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         return Section(
             position=position,
             force=values + 0.01 * np.cos(50 * position),
-            std=np.full(len(position), 0.02),
             fit=values,
         )
 
