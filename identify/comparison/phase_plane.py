@@ -26,7 +26,7 @@ class PhasePlane:
 
     Edges of an odd number of bins `displacement_edges` (p + 1,) and of an even number `velocity_edges` (q + 1,), so that
     zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never was, or so
-    briefly that nothing is known), `counts` of samples and `significance` (force over standard error): (q, p).
+    briefly that nothing is known): (q, p).
     `bins` (known, 2) are the rows and columns of the bins that are known and `covariance` (known, known) theirs;
     `chi_square_after` is the reduced chi-square within the cycles that such a force would leave.
     """
@@ -35,8 +35,6 @@ class PhasePlane:
     velocity_edges: Array
     force: Array
     std: Array
-    counts: Array
-    significance: Array
     bins: Array
     covariance: Array
     chi_square_after: float
@@ -76,18 +74,14 @@ def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
     known = found.std < _KNOWN * np.median(found.std)
     bins = np.column_stack([code // across, code % across])[known]
     force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)
-    counts = np.zeros((along, across))
     force[bins[:, 0], bins[:, 1]] = found.size[known]
     std[bins[:, 0], bins[:, 1]] = found.std[known]
-    counts[bins[:, 0], bins[:, 1]] = patterns.sum(axis=0)[known]
     bins.setflags(write=False)
     return PhasePlane(
         frozen(edges_u),
         frozen(edges_v),
         frozen(force),
         frozen(std),
-        frozen(counts),
-        frozen(force / std),
         bins,
         frozen(found.covariance[np.ix_(known, known)]),
         found.chi_square_after,

@@ -69,7 +69,7 @@ class Observed:
 class RidgeFit:
     """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
 
-    `bias_envelope` and `bias_phase` are what was taken off. `step` is the time between points, s.
+    `bias_envelope` and `bias_phase` are what was taken off.
     """
 
     envelope_fit: EnvelopeFit
@@ -79,7 +79,6 @@ class RidgeFit:
     phase: Array
     bias_envelope: Array
     bias_phase: Array
-    step: float
 
     @property
     def order(self) -> int:
@@ -166,7 +165,7 @@ def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeF
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
     phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero, observed.step)
+    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
 
 
 def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:

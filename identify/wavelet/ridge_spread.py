@@ -45,7 +45,7 @@ def _mixing(observed: Observed, fit: RidgeFit) -> Array:
     size = _sizes(fit, observed)
     answer = np.empty((len(size), len(size)))
     for i, step in enumerate(1e-3 * size):
-        moved = seen_of(observed, _moved(fit, np.where(np.arange(len(size)) == i, step, 0.0)))
+        moved = seen_of(observed, _moved(observed, fit, np.where(np.arange(len(size)) == i, step, 0.0)))
         envelope, phase = moved[0] - seen[0], moved[1] - seen[1]
         answer[:, i] = np.concatenate([fit.envelope_fit.gain @ envelope, fit.phase_fit.gain @ phase]) / step
     scale = size[:, None] / size
@@ -101,10 +101,10 @@ def _sizes(fit: RidgeFit, observed: Observed) -> Array:
     return np.array([start, *damping, 1.0, *stiffness])
 
 
-def _moved(fit: RidgeFit, change: Array) -> RidgeFit:
+def _moved(observed: Observed, fit: RidgeFit, change: Array) -> RidgeFit:
     cut = fit.order + 2
     decay, phases = fit.envelope_fit.parameters + change[:cut], fit.phase_fit.parameters + change[cut:]
-    points, step = len(fit.envelope), fit.step
+    points, step = len(fit.envelope), observed.step
     model = integrate_envelope(decay[0], decay[1:], step, points)
     turned = phase_model(phases, model, step, fit.stiffness_orders)
     return replace(

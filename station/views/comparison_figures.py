@@ -67,7 +67,7 @@ def phase_plane(found: Comparison, look: Look = LIGHT) -> Picture:
         cmap=colours, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
-        if abs(plane.significance[row, column]) > SURE:
+        if abs((plane.force / plane.std)[row, column]) > SURE:
             strong = abs(force[row, column]) > 0.7 * reach
             wide.text(
                 plane.displacement[column] * factor, plane.velocity[row],
