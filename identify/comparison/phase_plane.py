@@ -12,15 +12,6 @@ _KNOWN = 8.0
 
 
 @dataclass(frozen=True, eq=False)
-class ForceSection:
-    """A cut through the phase plane: residual force `force` and its standard error `std` at `position`, each (bins,)."""
-
-    position: Array
-    force: Array
-    std: Array
-
-
-@dataclass(frozen=True, eq=False)
 class PhasePlane:
     """Residual force per unit mass (m/s^2, measured less model, on the left of u'' + ... = 0) in bins.
 
@@ -48,21 +39,6 @@ class PhasePlane:
     def velocity(self) -> Array:
         """Middles of the bins, m/s."""
         return (self.velocity_edges[1:] + self.velocity_edges[:-1]) / 2.0
-
-    @property
-    def section_at_middle(self) -> ForceSection:
-        """Against the velocity while the mass passes u = 0: damping."""
-        column = self.force.shape[1] // 2
-        return ForceSection(self.velocity, self.force[:, column], self.std[:, column])
-
-    @property
-    def sections_at_reversal(self) -> tuple[ForceSection, ForceSection]:
-        """Against the displacement where v is nearly 0: moving to the negative side, and to the positive side."""
-        row = self.force.shape[0] // 2
-        return (
-            ForceSection(self.displacement, self.force[row - 1], self.std[row - 1]),
-            ForceSection(self.displacement, self.force[row], self.std[row]),
-        )
 
 
 def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:

@@ -11,9 +11,8 @@ from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.release import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
-from identify.signal.kinematics import Agreement, Pair, agree
+from identify.signal.kinematics import Agreement, Pair, agree, reversal_excess
 from identify.signal.oscillation import dominant_frequency, running_amplitude
-from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import slope
 
 ONE_CHANNEL = (

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
+from identify.preprocessing.noise import stale, steps_between
 from identify.signal.fractional_delay import lagrange_weights
-from identify.signal.levels import stale, steps_between
 from identify.signal.running import runs_of
 
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0

@@ -11,9 +11,8 @@ from identify.preprocessing.alignment import pair_of, with_reversals
 from identify.preprocessing.noise import noise_levels
 from identify.signal.fractional_delay import bridge
 from identify.signal.integration import integrate, slow_part
-from identify.signal.kinematics import agree, cut
+from identify.signal.kinematics import agree, cut, reversal_excess
 from identify.signal.oscillation import dominant_frequency
-from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import gain_of, slope, smooth, smooth_to_noise
 
 SHORTEST = 16

@@ -7,13 +7,16 @@ what the transform then shows beyond the averaged model is taken off the measure
 """
 
 from dataclasses import dataclass, replace
+from math import ceil, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
+from identify.effects.families import POWER_LAW_DAMPING
+from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.errors import NotIdentifiable
-from identify.model.simulate import Response
+from identify.model.simulate import Response, make_system, simulate
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -24,14 +27,25 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.exact_decay import RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
 _MOST_POINTS = 400
 _SETTLED = 0.05
 _ROUNDS = 30
+_STEPS_PER_CYCLE = 100  # the frequency of a fourth-order step is then off by some 1e-8
+_RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
 _ASTRAY = 2.0
+
+
+class RunsAway(NotIdentifiable):
+    """The coefficients describe no free decay: the motion grows without end, or is no number at all."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "with the stiffness and the damping of the envelope the motion would diverge; "
+            "release from a smaller amplitude, or try lower orders"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +157,41 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
     return simulate_decay(
         amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
     )
+
+
+def simulate_decay(
+    displacement: float, velocity: float, stiffness: dict[int, float], damping: Array, step: float, count: int
+) -> Response:
+    """Simulate u'' = -sum k_i u^i - sum mu_i |u'|^i sgn(u') from a given state; `count` samples `step` s apart.
+
+    `stiffness` holds k_i (per unit mass) by its order i: 1, 3 and 5; `damping` mu_0, mu_1, .... The mass sticks where
+    the spring cannot overcome mu_0. Raises RunsAway where a coefficient is no finite number, k_1 lets the mass
+    turn more than once between two samples, or the motion grows to a hundred times its start.
+    """
+    turn = step * sqrt(max(abs(stiffness[1]), 1e-300))
+    if not np.isfinite([displacement, velocity, *stiffness.values(), *damping]).all() or turn > 2 * pi:
+        raise RunsAway
+    higher = [(STIFFNESS_BY_ORDER[i], k, i) for i, k in stiffness.items() if i > 1]
+    higher += [
+        (DAMPING_BY_ORDER[i] if i < len(DAMPING_BY_ORDER) else POWER_LAW_DAMPING.effect, mu, i)
+        for i, mu in enumerate(damping)
+        if i > 1
+    ]
+    mu_0, mu_1 = [*damping, 0.0][:2]
+    motion = simulate(
+        make_system(tuple(effect for effect, _, _ in higher)),
+        np.array([stiffness[1], mu_1, mu_0]),
+        np.array([(size, order, 1.0, 0.0, 0.0, 0.0) for _, size, order in higher]).reshape(-1, 6),
+        start=(displacement, velocity),
+        states=np.zeros((len(higher), 2)),
+        samples=count,
+        rate=1.0 / step,
+        substeps=max(1, ceil(_STEPS_PER_CYCLE * turn / (2 * pi))),
+    )
+    start = max(abs(displacement), abs(velocity) * step / turn)
+    if not np.abs(motion.displacement).max(initial=0.0) <= _RUN_AWAY * start:
+        raise RunsAway
+    return motion
 
 
 def channel_of(decay: Response, derivatives: int) -> Array:

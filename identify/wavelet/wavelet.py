@@ -22,10 +22,10 @@ from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
 from identify.summary import Summary
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
-from identify.wavelet.exact_decay import RunsAway
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
+    RunsAway,
     channel_of,
     envelope_and_phase,
     exact_decay,

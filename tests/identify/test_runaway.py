@@ -6,8 +6,7 @@ from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.wavelet.exact_decay import simulate_decay
-from identify.wavelet.ridge_fit import observe
+from identify.wavelet.ridge_fit import observe, simulate_decay
 from identify.wavelet.wavelet import identify_wavelet
 
 

@@ -17,8 +17,7 @@ from identify.effects.compiled import STATES
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
-from identify.effects.user.build import finished
-from identify.effects.user.draft import NAME, VARIABLES, from_formulas
+from identify.effects.user.build import NAME, VARIABLES, finished, from_formulas
 from identify.effects.user.formula import CONSTANTS, FUNCTIONS, parse_formula
 from identify.effects.user.initial_values import problem_of
 from identify.effects.user.measured_curve import curve_effect, read_curve
