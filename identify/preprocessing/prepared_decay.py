@@ -6,9 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.errors import NotIdentifiable
 from identify.formatting import scaled
-from identify.free_decay import CHANNELS, FreeDecay
+from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
@@ -20,9 +19,7 @@ from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
 from identify.preprocessing.record_use import RecordUse, record_use
 from identify.preprocessing.release import Release
-from identify.preprocessing.sampling import too_coarse
-from identify.preprocessing.usable import above, base_columns, floor_of
-from identify.signal.fractional_delay import bridge
+from identify.preprocessing.usable import above, base_columns, floor_of, refusal
 from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
@@ -128,13 +125,13 @@ def prepare(
     motion = reconstruct(corrected.with_(release=release.settle))
     motion = motion.part(slice(max(release.end - release.settle, 0)))
     if len(motion.displacement) < 16:
-        raise _refusal(record, "The motion after the release is too short; record at least four cycles.")
+        raise refusal(record, "The motion after the release is too short; record at least four cycles.")
     force = _force(record, release, motion)
     restoring = -motion.acceleration if force is None else force - motion.acceleration
     base = regress(restoring, base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
     if not 0.0 < k < (np.pi * record.rate) ** 2:
-        raise _refusal(record, _no_spring(record))
+        raise refusal(record, _no_spring(record))
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
@@ -147,7 +144,7 @@ def prepare(
         located, begin, begin + length / record.rate, 2.0 * np.pi / frequency, to_the_end=to_the_end
     )
     if cycles < fewest_cycles:
-        raise _refusal(record, _too_few(cycles, frequency, use, fewest_cycles))
+        raise refusal(record, _too_few(cycles, frequency, use, fewest_cycles))
     motion = replace(motion.part(slice(length)), displacement=motion.displacement[:length] - zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in aligned.lost.items()}
     window = _window(
@@ -167,13 +164,6 @@ def prepare(
         mass=record.mass,
         use=use,
     )
-
-
-def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
-    """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
-    channel, reading = next(iter(record.channels.items()))
-    coarse = too_coarse(bridge(reading, record.known), record.rate, CHANNELS.index(channel))
-    return NotIdentifiable(coarse or reason)
 
 
 def _no_spring(record: FreeDecay) -> str:

@@ -11,6 +11,8 @@ from identify.preprocessing.decimation import flat_frequency
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.motion import ABOVE_NOISE, Motion
 from identify.preprocessing.release import HAND_S
+from identify.preprocessing.sampling import too_coarse
+from identify.signal.fractional_delay import bridge
 
 
 def usable(
@@ -19,7 +21,7 @@ def usable(
     """Return the first usable sample of a motion, one past the last, and its angular frequency (rad/s).
 
     `noise` is that of the channels which a method looks at; of a driven motion all is usable. Raises NotIdentifiable when
-    it holds no oscillation, fewer than `fewest` cycles or fewer than three samples a cycle.
+    it holds no oscillation or fewer than `fewest` cycles.
     """
     frequency = flat_frequency(motion.displacement, motion.rate)
     if frequency <= 0.0:
@@ -33,14 +35,10 @@ def usable(
         length = above(sure, omega, max(mu_0, 0.0) / omega**2, floor_of(noise, omega))
     cycles = length * frequency / motion.rate
     if cycles < fewest:
-        raise NotIdentifiable(
+        raise refusal(
+            decay,
             f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
-            "release from a larger amplitude or record longer"
-        )
-    if motion.rate < 3 * frequency:
-        raise NotIdentifiable(
-            f"{motion.rate / frequency:.1f} samples a cycle are too few to follow {frequency:.3g} Hz; "
-            f"record at {4 * frequency:.3g} Hz or faster"
+            "release from a larger amplitude or record longer",
         )
     return first, first + length, omega
 
@@ -75,3 +73,10 @@ def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
 def floor_of(noise: dict[str, float], frequency: float) -> float:
     """Return the noise by channel as that of a displacement (m) at an angular frequency: that of the best channel."""
     return min(noise[c] / frequency**order for order, c in enumerate(CHANNELS) if c in noise)
+
+
+def refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
+    """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
+    channel, reading = next(iter(record.channels.items()))
+    coarse = too_coarse(bridge(reading, record.known), record.rate, CHANNELS.index(channel))
+    return NotIdentifiable(coarse or reason)

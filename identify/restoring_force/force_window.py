@@ -11,10 +11,10 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.motion import Motion
 from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.sampling import too_coarse
 from identify.preprocessing.usable import usable
 
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
-_FEWEST_SAMPLES = 8.0  # a cycle, where one channel must give the others
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
 _BLUR_CYCLES = 0.03  # by which the smoothing of a lone displacement rounds a kink
 _LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
@@ -75,12 +75,8 @@ def window_of(decay: FreeDecay, motion: Motion) -> ForceWindow:
     Raises NotIdentifiable when it holds no oscillation or too few cycles.
     """
     first, stop, w = usable(decay, motion, noise_levels(decay), _FEWEST_CYCLES)
-    frequency = w / (2.0 * np.pi)
-    if motion.rate < _FEWEST_SAMPLES * frequency and "and" not in motion.source:
-        raise NotIdentifiable(
-            f"{motion.rate / frequency:.1f} samples a cycle are too few to tell the velocity from the "
-            f"{motion.source} alone; record at {2 * _FEWEST_SAMPLES * frequency:.3g} Hz or faster"
-        )
+    if "and" not in motion.source and (coarse := too_coarse(motion.displacement, motion.rate, 0)):
+        raise NotIdentifiable(coarse)
     force = None if decay.force is None else decay.force[motion.start :]
     return ForceWindow(motion, first, stop, motion.valid[first:stop], w, force, noise_spectrum(decay))
 
