@@ -84,14 +84,9 @@ class DiscrepancyText:
     ) -> tuple[str, str]:
         """Return the sentence and the unit of the amplitude."""
         unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
-        where = f", seen in the {channel} alone" if len(channels) == 1 else ""
-        if len(channels) > 1:
-            where = f", seen in {' and '.join(channels)}"
-        return (
-            f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model "
-            f"lacks{where}",
-            unit,
-        )
+        alone = f"the {channel} alone" if len(channels) == 1 else " and ".join(channels)
+        text = f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model lacks"
+        return (f"{text}, seen in {alone}" if channels else text), unit
 
 
 def _where(side: int, way: int) -> str:
