@@ -7,9 +7,9 @@ import numpy as np
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.release import HAND_S
+from identify.preprocessing.sampling import average_blocks
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree, reversal_excess
 from identify.signal.oscillation import dominant_frequency, running_amplitude

@@ -11,10 +11,9 @@ import numpy as np
 
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay
-from identify.preprocessing.decimation import HELD, average_blocks, flat_frequency
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
-from identify.preprocessing.sampling import block_means
+from identify.preprocessing.sampling import HELD, average_blocks, block_means, flat_frequency
 
 BLOCKS_A_CYCLE = 64
 """Blocks a cycle that a fit needs at least; the simulator takes twice as many steps."""

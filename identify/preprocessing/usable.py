@@ -7,11 +7,10 @@ import numpy as np
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.free_decay import CHANNELS, FreeDecay
-from identify.preprocessing.decimation import flat_frequency
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.motion import ABOVE_NOISE, Motion
 from identify.preprocessing.release import HAND_S
-from identify.preprocessing.sampling import too_coarse
+from identify.preprocessing.sampling import flat_frequency, too_coarse
 from identify.signal.fractional_delay import bridge
 
 

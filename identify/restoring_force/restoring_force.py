@@ -10,8 +10,8 @@ from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.identified import Identified, damping_unit, dampings, estimate, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
-from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import reconstruct
+from identify.preprocessing.sampling import block_averaged
 from identify.restoring_force.force_regression import ForceFit, Polynomial, fit_orders
 from identify.restoring_force.force_window import ForceWindow, points_of, window_of
 from identify.signal.order_selection import choose_order

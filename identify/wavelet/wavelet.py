@@ -11,10 +11,9 @@ from identify.estimate import Estimate
 from identify.free_decay import CHANNELS, FreeDecay
 from identify.identified import Identified, dampings, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
-from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import reconstruct
 from identify.preprocessing.noise import noise_levels
-from identify.preprocessing.sampling import block_means
+from identify.preprocessing.sampling import block_averaged, block_means
 from identify.preprocessing.usable import usable
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
