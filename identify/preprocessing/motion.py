@@ -62,14 +62,14 @@ def reconstruct(decay: FreeDecay) -> Motion:
     high one, each with the weight of its noise; the acceleration's offset and slow drift are removed.
     From one channel: integration with the low frequencies removed, or differentiation with the noise in view.
     The channels are taken as aligned (see `identify.preprocessing.alignment.correct`). Raises NotIdentifiable when fewer
-    than 16 samples follow the release.
+    than 16 readings follow the release.
     """
     start = decay.start
-    if len(decay) - start < SHORTEST:
-        raise NotIdentifiable(
-            f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."
-        )
     known = decay.known[start:]
+    if known.sum() < SHORTEST:
+        raise NotIdentifiable(
+            f"Only {known.sum()} readings follow the release; at least {SHORTEST} are needed."
+        )
     (name, lowest), *others = decay.channels.items()
     if others and decay.acceleration is not None:
         return _from_pair(decay, known, f"{name} and acceleration")
