@@ -23,7 +23,8 @@ def power_in(unit: str, powers: Mapping[str, int]) -> int:
     """Return the power of a quantity in a unit, by its `powers` in the symbols: -2 for {"m": 1} in "1/(m^2 s^2)"."""
     above, below = (
         sum(
-            powers.get(name, 0) * int(power or 1) for name, power in findall(r"([A-Za-z]+)(?:\^(\d+))?", part)
+            powers.get(name, 0) * int(power or 1)
+            for name, power in findall(r"([A-Za-z]+)(?:\^(-?\d+))?", part)
         )
         for part in unit.partition("/")[::2]
     )

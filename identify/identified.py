@@ -64,7 +64,7 @@ def dampings(decay: FreeDecay, found: Iterable[tuple[float, float]]) -> tuple[Es
 def stiffnesses(decay: FreeDecay, found: dict[int, tuple[float, float]]) -> dict[int, Estimate]:
     """Return stiffnesses per unit mass, by order, of their values and standard errors."""
     return {
-        order: estimate(decay, value, std, _stiffness_unit(order, False, decay.unit))
+        order: estimate(decay, value, std, _unit({"s": -2, decay.unit: 1 - order}))
         for order, (value, std) in found.items()
     }
 
@@ -78,35 +78,28 @@ def with_mass(decay: FreeDecay, per_mass: dict[int, Estimate]) -> dict[int, Esti
         order: Estimate(
             k.value * mass,
             hypot(k.std * mass, k.value * mass_std),
-            _stiffness_unit(order, True, decay.unit),
+            _unit({"N m" if decay.unit == "rad" else "N": 1, decay.unit: -order}),
         )
         for order, k in per_mass.items()
     }
 
 
 def damping_unit(order: int, unit: str) -> str:
-    """Return the unit of mu_i, a force per unit mass over the i-th power of a velocity.
+    """Return the unit of mu_i, a force per unit mass over the i-th power of a velocity: m/s^2, 1/s, 1/m, s/m^2, ...
 
-    `unit` is that of the displacement ("m" or "rad"): order 0 gives m/s^2, 1 gives 1/s, 2 gives 1/m,
-    3 gives s/m^2.
+    `unit` is that of the displacement ("m" or "rad").
     """
-    if order == 0:
-        return f"{unit}/s^2"
-    if order == 1:
-        return "1/s"
-    time = "" if order == 2 else "s" if order == 3 else f"s^{order - 2}"
-    length = unit if order == 2 else f"{unit}^{order - 1}"
-    return f"{time or '1'}/{length}"
+    return _unit({"s": order - 2, unit: 1 - order})
 
 
-def _stiffness_unit(order: int, mass_known: bool, unit: str) -> str:
-    """Return the unit of a stiffness of odd or even `order`: N/m^i with a mass, 1/s^2/m^(i-1) without.
-
-    For an angle a known inertia makes the numerator a moment, N m.
-    """
-    power = unit if order == 1 else f"{unit}^{order}"
-    if mass_known:
-        return f"{'N m' if unit == 'rad' else 'N'}/{power}"
-    if order == 1:
-        return "1/s^2"
-    return f"1/(s^2 {unit if order == 2 else f'{unit}^{order - 1}'})"
+def _unit(powers: dict[str, int]) -> str:
+    """Write a unit by the powers of what it is made of, of which one is below the stroke."""
+    above, below = (
+        " ".join(
+            name if size == 1 else f"{name}^{size}"
+            for name, power in powers.items()
+            if (size := sign * power) > 0
+        )
+        for sign in (1, -1)
+    )
+    return f"{above or '1'}/({below})" if " " in below else f"{above or '1'}/{below}"

@@ -66,8 +66,5 @@ class Summarised:
     def __repr__(self) -> str:
         return self.brief().text()
 
-    def __str__(self) -> str:
-        return self.brief().text()
-
     def _repr_html_(self) -> str:
         return self.brief().html()

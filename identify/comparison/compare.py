@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.arrays import Array, frozen
+from identify.arrays import Array, Mask, frozen
 from identify.comparison.compare_cycles import CycleErrors, compare_cycles
 from identify.comparison.discrepancies import NONE, Discrepancy, find_discrepancies
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.harmonics import Harmonics, compare_harmonics
-from identify.comparison.kinematic_check import KinematicCheck, check_kinematics
-from identify.comparison.multiple_shooting import MultipleShooting, rows_of, shoot
+from identify.comparison.multiple_shooting import MultipleShooting, delayed, rows_of, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
 from identify.comparison.residual_tone import ResidualTone, find_residual_tone
 from identify.errors import NotIdentifiable
@@ -29,14 +27,29 @@ from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import nuisance
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.signal.smoothing import without_line
 from identify.summary import Summarised, Summary
 
 _SURE = 4.0
+_NEAR_REVERSAL = 4
 
 _NO_SPRING = 1e-6
 """Share of the squared frequency below which a fit has lost its spring."""
+
+
+@dataclass(frozen=True)
+class KinematicCheck:
+    """The disagreement of the channels, each in standard errors of the noise.
+
+    `significance` is by how much the misfit of both to one motion exceeds it, a steady drift of their zeros left out;
+    `drift` is the size of that drift of the acceleration's zero, which no force can cause.
+    """
+
+    significance: float
+    drift: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,7 +78,6 @@ class Comparison(Summarised):
     cycles: CycleErrors
     free_run_misfit: Array
     phase_plane: PhasePlane
-    harmonics: Harmonics
     kinematics: KinematicCheck | None
     places: tuple[Discrepancy, ...]
     summary: str
@@ -120,7 +132,7 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         )
     cycles = compare_cycles(shooting)
     plane = compare_phase_plane(shooting)
-    kinematics = check_kinematics(prepared, window, doubt)
+    kinematics = _checked_kinematics(prepared, window, doubt)
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
@@ -141,7 +153,6 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         cycles=cycles,
         free_run_misfit=_misfit_by_cycle(fit, shooting),
         phase_plane=plane,
-        harmonics=compare_harmonics(shooting),
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
@@ -191,6 +202,41 @@ def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
         rows = rows_of(window, part, {c: fit.residual(c)[part] for c in window.channels})
         misfit.append(float(np.sqrt(np.mean(rows**2))) if len(rows) else np.nan)
     return frozen(misfit)
+
+
+def _checked_kinematics(
+    prepared: PreparedDecay, window: FitWindow, floor_error: float
+) -> KinematicCheck | None:
+    """Compare both channels with the one motion that suits them best; None with a single channel.
+
+    `floor_error` is the relative standard error of the noise floor.
+    """
+    aligned, motion = prepared.alignment, prepared.motion
+    if aligned is None or not window.paired:
+        return None
+    low = "displacement" if "displacement" in window.readings else "velocity"
+    noise = window.sigma["acceleration"] / abs(aligned.gain.value)
+    read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
+    left = window.readings[low] - read[0 if low == "displacement" else 1]
+    inside = motion.valid & window.used["acceleration"] & window.used[low] & ~_near_reversals(motion.velocity)
+    if not inside.any():  # of few readings a cycle all are near a reversal, and contradict nothing
+        return KinematicCheck(0.0, 0.0)
+    uneven = window.readings["acceleration"] / aligned.gain.value - motion.acceleration
+    high, left = without_line(uneven, inside), without_line(left, inside)
+    total = float(np.sum((high[inside] / noise) ** 2) + np.sum((left[inside] / window.sigma[low]) ** 2))
+    degrees = max(int(inside.sum()) - 6, 1)
+    line = (uneven - high)[inside]
+    return KinematicCheck(
+        (total / degrees - 1.0) / float(np.hypot(np.sqrt(2.0 / degrees), 2.0 * floor_error)),
+        float(np.linalg.norm(line - line.mean())) / noise,
+    )
+
+
+def _near_reversals(velocity: Array) -> Mask:
+    """Where dry friction turns around between two samples, and a smooth motion cannot follow, shape (n,)."""
+    turns = np.zeros(len(velocity), dtype=bool)
+    turns[:-1] = np.signbit(velocity[1:]) != np.signbit(velocity[:-1])
+    return np.convolve(turns, np.ones(2 * _NEAR_REVERSAL + 1), "same") > 0.5
 
 
 def _cause(

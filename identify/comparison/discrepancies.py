@@ -28,15 +28,13 @@ class Discrepancy:
 
     `kind` is "force over displacement", "force over velocity", "frequency", "energy" or "line".
     `size` (measured less model; positive is stiffer, braking more, faster, losing more) is the mean over the place
-    with standard error `std`, `largest` the largest in it; of a line both are its amplitude. `significance` is in
-    standard errors.
+    with standard error `std`; of a line it is the amplitude. `significance` is in standard errors.
     """
 
     kind: str
     text: str
     size: float
     std: float
-    largest: float
     unit: str
     significance: float
 
@@ -97,7 +95,7 @@ def find_discrepancies(
     if line is not None:
         text, unit = words.at_frequency(line.frequency, line.amplitude, line.channel, line.channels)
         std = line.amplitude / line.significance
-        places.append(Discrepancy("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
+        places.append(Discrepancy("line", text, line.amplitude, std, unit, line.significance))
     places.sort(key=lambda place: -place.significance)
     return tuple(places[:MOST])
 
@@ -175,46 +173,18 @@ def _described(
     words: DiscrepancyText,
 ) -> Discrepancy:
     size = float(candidate.weights @ values)
-    largest = _largest(candidate, values, size, plane, cycles)
     low, high = candidate.levels
     if candidate.kind.startswith("force"):
         across = candidate.kind == "force over displacement"
         edges = plane.displacement_edges if across else plane.velocity_edges
         middle = (len(edges) - 1) // 2
         at = (float(edges[middle + low]), float(edges[middle + high + 1]))
-        place = (at, low == high, candidate.side, candidate.way)
-        text, scale, unit = words.over_force(candidate.kind, largest, *place)
+        text, scale, unit = words.over_force(candidate.kind, size, at, candidate.side, candidate.way)
     else:
         times = (float(cycles.time[low]), float(cycles.time[high]))
         amplitudes = (
             float(np.min(cycles.amplitude[low : high + 1])),
             float(np.max(cycles.amplitude[low : high + 1])),
         )
-        text, scale, unit = words.over_cycles(candidate.kind, largest, times, amplitudes)
-    return Discrepancy(
-        candidate.kind, text, scale * size, scale * candidate.std * factor, scale * largest, unit, abs(score)
-    )
-
-
-def _largest(
-    candidate: _Candidate, values: Array, size: float, plane: PhasePlane, cycles: CycleErrors
-) -> float:
-    """Return the largest mean over one level of the place (one band, one cycle) that has the sign of the whole."""
-    if candidate.kind in ("frequency", "energy"):
-        part = values[candidate.members != 0]
-        std = np.sqrt(np.diag(cycles.covariance))[candidate.members != 0]
-        part = part[std < 3.0 * np.min(std)]
-        return float(max(part, key=lambda x: x * np.sign(size), default=size))
-    across = candidate.kind == "force over displacement"
-    middle = (plane.force.shape[1] if across else plane.force.shape[0]) // 2
-    place = plane.bins[:, 1 if across else 0]
-    level = (
-        np.abs(place - middle) if across else np.where(place >= middle, place - middle, middle - 1 - place)
-    )
-    means = []
-    for one in range(candidate.levels[0], candidate.levels[1] + 1):
-        members = np.where(level == one, candidate.members, 0.0)
-        if members.any():
-            part = _candidate(candidate.kind, members, plane.covariance, (one, one))
-            means.append(float(part.weights @ values))
-    return float(max([*means, size], key=lambda x: x * np.sign(size)))
+        text, scale, unit = words.over_cycles(candidate.kind, size, times, amplitudes)
+    return Discrepancy(candidate.kind, text, scale * size, scale * candidate.std * factor, unit, abs(score))

@@ -41,7 +41,7 @@ class DiscrepancyText:
         return "mm" if self.unit == "m" else self.unit
 
     def over_force(
-        self, kind: str, force: float, at: tuple[float, float], single: bool, side: int, way: int
+        self, kind: str, force: float, at: tuple[float, float], side: int, way: int
     ) -> tuple[str, float, str]:
         """Return the sentence, the factor on a force per unit mass and the unit."""
         if kind == "force over displacement":
@@ -52,7 +52,7 @@ class DiscrepancyText:
             verb, sense = "brakes", "more" if force > 0 else "less"
         amount = scaled(abs(force) * self.force_scale, self.force_unit)
         text = (
-            f"between {place} the measured force {verb} {self._up_to(single)}{amount} {sense} than the model"
+            f"between {place} the measured force {verb} on average {amount} {sense} than the model"
             f"{_where(side, way)}"
         )
         return text, self.force_scale, self.force_unit
@@ -68,14 +68,15 @@ class DiscrepancyText:
             if low != high
             else f"amplitude {low} {self.length_unit}"
         )
-        up_to = self._up_to(times[0] == times[1])
         if kind == "frequency":
             sense, cause = ("faster", "stiffer") if error > 0 else ("slower", "softer")
-            text = f"{when} ({sweep}) the measured motion is {up_to}{abs(error):.2g} % {sense} than the model: {cause}"
+            text = (
+                f"{when} ({sweep}) the measured motion is {abs(error):.2g} % {sense} than the model: {cause}"
+            )
             return text, 1.0, "%"
         sense, cause = ("more", "more damping") if error > 0 else ("less", "less damping")
         amount = scaled(abs(error) * self.force_scale, self.energy_unit)
-        text = f"{when} ({sweep}) the measured motion loses {up_to}{amount} a cycle {sense} than the model: {cause}"
+        text = f"{when} ({sweep}) the measured motion loses {amount} a cycle {sense} than the model: {cause}"
         return text, self.force_scale, self.energy_unit
 
     def at_frequency(
@@ -83,18 +84,9 @@ class DiscrepancyText:
     ) -> tuple[str, str]:
         """Return the sentence and the unit of the amplitude."""
         unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
-        where = f", seen in the {channel} alone" if len(channels) == 1 else ""
-        if len(channels) > 1:
-            where = f", seen in {' and '.join(channels)}"
-        return (
-            f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model "
-            f"lacks{where}",
-            unit,
-        )
-
-    @staticmethod
-    def _up_to(single: bool) -> str:
-        return "" if single else "up to "
+        alone = f"the {channel} alone" if len(channels) == 1 else " and ".join(channels)
+        text = f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model lacks"
+        return (f"{text}, seen in {alone}" if channels else text), unit
 
 
 def _where(side: int, way: int) -> str:

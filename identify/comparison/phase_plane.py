@@ -12,21 +12,12 @@ _KNOWN = 8.0
 
 
 @dataclass(frozen=True, eq=False)
-class ForceSection:
-    """A cut through the phase plane: residual force `force` and its standard error `std` at `position`, each (bins,)."""
-
-    position: Array
-    force: Array
-    std: Array
-
-
-@dataclass(frozen=True, eq=False)
 class PhasePlane:
     """Residual force per unit mass (m/s^2, measured less model, on the left of u'' + ... = 0) in bins.
 
     Edges of an odd number of bins `displacement_edges` (p + 1,) and of an even number `velocity_edges` (q + 1,), so that
     zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never was, or so
-    briefly that nothing is known), `counts` of samples and `significance` (force over standard error): (q, p).
+    briefly that nothing is known): (q, p).
     `bins` (known, 2) are the rows and columns of the bins that are known and `covariance` (known, known) theirs;
     `chi_square_after` is the reduced chi-square within the cycles that such a force would leave.
     """
@@ -35,8 +26,6 @@ class PhasePlane:
     velocity_edges: Array
     force: Array
     std: Array
-    counts: Array
-    significance: Array
     bins: Array
     covariance: Array
     chi_square_after: float
@@ -51,21 +40,6 @@ class PhasePlane:
         """Middles of the bins, m/s."""
         return (self.velocity_edges[1:] + self.velocity_edges[:-1]) / 2.0
 
-    @property
-    def section_at_middle(self) -> ForceSection:
-        """Against the velocity while the mass passes u = 0: damping."""
-        column = self.force.shape[1] // 2
-        return ForceSection(self.velocity, self.force[:, column], self.std[:, column])
-
-    @property
-    def sections_at_reversal(self) -> tuple[ForceSection, ForceSection]:
-        """Against the displacement where v is nearly 0: moving to the negative side, and to the positive side."""
-        row = self.force.shape[0] // 2
-        return (
-            ForceSection(self.displacement, self.force[row - 1], self.std[row - 1]),
-            ForceSection(self.displacement, self.force[row], self.std[row]),
-        )
-
 
 def compare_phase_plane(shooting: MultipleShooting, fewest: int = 12) -> PhasePlane:
     """Return the force that the tracked model lacks, as one constant in each bin of the phase plane.
@@ -79,18 +53,14 @@ def compare_phase_plane(shooting: MultipleShooting, fewest: int = 12) -> PhasePl
     known = found.std < _KNOWN * np.median(found.std)
     bins = np.column_stack([code // across, code % across])[known]
     force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)
-    counts = np.zeros((along, across))
     force[bins[:, 0], bins[:, 1]] = found.size[known]
     std[bins[:, 0], bins[:, 1]] = found.std[known]
-    counts[bins[:, 0], bins[:, 1]] = patterns.sum(axis=0)[known]
     bins.setflags(write=False)
     return PhasePlane(
         frozen(edges_u),
         frozen(edges_v),
         frozen(force),
         frozen(std),
-        frozen(counts),
-        frozen(force / std),
         bins,
         frozen(found.covariance[np.ix_(known, known)]),
         found.chi_square_after,

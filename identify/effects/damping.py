@@ -1,6 +1,8 @@
-"""Effects of damping: smooth forces that depend on the velocity."""
+"""Effects of damping: smooth forces that depend on the velocity, and dry friction, a level that acts against it."""
 
-from identify.effects.effect import Parameter
+from math import exp
+
+from identify.effects.effect import Parameter, shares_of
 from identify.effects.force_effect import ForceEffect, LinearPart
 
 VISCOUS_DAMPING = ForceEffect(
@@ -48,4 +50,44 @@ POSITION_DEPENDENT_DAMPING = ForceEffect(
     symptom="the decrement grows with the square of the amplitude, opposite third harmonic",
     confirming_test="the section of the restoring force at u = 0 stays straight",
     confusable_with=("cubic_damping", "quadratic_damping"),
+)
+
+COULOMB_FRICTION = ForceEffect(
+    name="coulomb_friction",
+    title="dry (Coulomb) friction",
+    equation="mu_0 sgn v",
+    parameters=(Parameter("mu_0", "m/s^2", "friction force per unit mass", 0.0),),
+    friction=lambda t, u, v, z, p: p[0],
+    linear_part=LinearPart.DRY_FRICTION,
+    symptom="straight-line decay that stops off zero",
+    confirming_test="the mass comes to rest off the spring's zero, within mu_0/k of it",
+)
+
+STRIBECK_FRICTION = ForceEffect(
+    name="stribeck_friction",
+    title="friction that rises at low speed (Stribeck)",
+    equation="dmu exp(-(v/vs)^2) sgn v",
+    parameters=(
+        Parameter("dmu", "m/s^2", "extra friction at rest per unit mass", 0.0),
+        Parameter("vs", "m/s", "speed at which it has fallen to 1/e", 0.0),
+    ),
+    friction=lambda t, u, v, z, p: p[0] * exp(-(v / p[1]) * (v / p[1])),
+    starts=shares_of("speed", 0.08, 0.2, 0.4),
+    reach=shares_of(
+        "speed", 0.002, 0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.16, 0.25, 0.4, 0.5, 0.65, 1.0, 1.6
+    ),
+    symptom="extra loss near the end of the decay",
+    confirming_test="a release from a quarter of the amplitude decays faster than the model says",
+    confusable_with=("coulomb_friction", "quadratic_damping", "position_dependent_friction"),
+)
+
+POSITION_DEPENDENT_FRICTION = ForceEffect(
+    name="position_dependent_friction",
+    title="guides that bind away from the middle",
+    equation="slope |u| sgn v",
+    parameters=(Parameter("slope", "1/s^2", "growth of the friction with displacement, per unit mass", 0.0),),
+    friction=lambda t, u, v, z, p: p[0] * abs(u),
+    symptom="loss per cycle like viscous damping, but the force jumps at every reversal in proportion to amplitude",
+    confirming_test="the jump of the acceleration at the reversals grows with the amplitude",
+    confusable_with=("viscous_damping", "hysteresis"),
 )

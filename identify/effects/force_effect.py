@@ -18,14 +18,14 @@ from identify.effects.compiled import (
     force_function,
     rate_function,
 )
-from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
+from identify.effects.compiled_path import periodic_states, states_along, values_along
 from identify.effects.effect import Effect, Scales, Starts
 
 Numbers = tuple[float, ...]
 """The parameters of an effect as its compiled functions take them."""
 
-_STEPS = 8
-"""Steps of the midpoint rule between two samples of a measured motion."""
+_STEPS = 4
+"""Steps between two samples of a measured motion."""
 
 
 class LinearPart(IntEnum):
@@ -143,15 +143,15 @@ class ForceEffect(Effect):
         start: tuple[float, float],
         scale: tuple[float, float],
     ) -> tuple[Array, bool]:
-        """Return the internal states (n, 2) at every second sample of a turn that brings them back, and whether it does.
+        """Return the internal states (n, 2) along a smooth turn (n,) that brings them back, and whether it does.
 
-        The turn is smooth, of 2 n - 1 samples. States of size `scale` are sought from `start`; zeros without memory.
+        States of size `scale` are sought from `start`; zeros without memory.
         """
         if self.rates is None:
-            return np.zeros((len(u) // 2 + 1, STATES)), True
+            return np.zeros((len(u), STATES)), True
         address = address_of(self.rates, RATES)
         begun, found = periodic_states(address, time, u, v, p, start, scale, self.states)
-        return states_along_smooth(address, time, u, v, p, begun), bool(found)
+        return states_along(address, time, u, v, p, begun, 1), bool(found)
 
     def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""

@@ -1,18 +1,18 @@
 """The library: every effect and every sensor's fault, in one tuple."""
 
-from identify.effects import contact, damping, friction, joint, memory, pendulum, sensors, stiffness, time
+from identify.effects import contact, damping, joint, memory, sensors, stiffness, time
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 
 BASE: tuple[ForceEffect, ...] = (
     stiffness.LINEAR_STIFFNESS,
-    friction.COULOMB_FRICTION,
+    damping.COULOMB_FRICTION,
     damping.VISCOUS_DAMPING,
 )
 
 DAMPING_BY_ORDER: tuple[ForceEffect, ...] = (
-    friction.COULOMB_FRICTION,
+    damping.COULOMB_FRICTION,
     damping.VISCOUS_DAMPING,
     damping.QUADRATIC_DAMPING,
     damping.CUBIC_DAMPING,
@@ -35,13 +35,13 @@ LIBRARY: tuple[Effect, ...] = (
     damping.QUADRATIC_DAMPING,
     damping.CUBIC_DAMPING,
     damping.POSITION_DEPENDENT_DAMPING,
-    friction.STRIBECK_FRICTION,
-    friction.POSITION_DEPENDENT_FRICTION,
+    damping.STRIBECK_FRICTION,
+    damping.POSITION_DEPENDENT_FRICTION,
     stiffness.CUBIC_STIFFNESS,
     stiffness.QUADRATIC_STIFFNESS,
     stiffness.SIGNED_QUADRATIC_STIFFNESS,
     stiffness.QUINTIC_STIFFNESS,
-    pendulum.PENDULUM_STIFFNESS,
+    stiffness.PENDULUM_STIFFNESS,
     contact.END_STOP,
     contact.IMPACT,
     contact.FREEPLAY,

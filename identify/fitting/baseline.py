@@ -16,11 +16,10 @@ from identify.fitting.own_linear import own_springs
 from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
 from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
-from identify.preprocessing.noise import Noise
+from identify.preprocessing.noise import Noise, stale
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
-from identify.signal.levels import stale
 from identify.signal.spectrum import high_band_floor
 
 _BAND_ABOVE = 8.0

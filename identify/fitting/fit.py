@@ -227,7 +227,7 @@ def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
         samples = int(cycles * 2.0 * np.pi / w * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(whole.model, tuple(s.until(min(samples, len(s))) for s in windows), w, far=True)
+        short = Problem(whole.model, tuple(s.part(slice(samples)) for s in windows), w, far=True)
         theta = minimise(short, theta, steps=8, tolerance=1.0, held=still).theta
     return theta
 

@@ -58,7 +58,7 @@ class FewReleases:
             return cls(whole, whole, tried, places)
         decays = tuple(first_cycles(whole.decays[i], _CYCLES) for i in places)
         windows = tuple(
-            whole.fit.windows[i].until(len(prepared.window))
+            whole.fit.windows[i].part(slice(len(prepared.window)))
             for i, prepared in zip(places, decays, strict=True)
         )
 

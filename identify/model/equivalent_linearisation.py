@@ -13,10 +13,10 @@ import numpy as np
 from identify.arrays import Array, frozen
 from identify.effects.compiled import STATES
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect, LinearPart
+from identify.effects.force_effect import ForceEffect
 
 _POINTS = 512
-_ANGLE = frozen(2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS))
+_ANGLE = frozen(2.0 * np.pi * (np.arange(_POINTS + 1) + 0.5) / _POINTS)
 _COSINE, _SINE = frozen(np.cos(_ANGLE)), frozen(np.sin(_ANGLE))
 
 
@@ -52,8 +52,6 @@ def average(
     if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
     p = effect.table(parameters, parameters)
-    if effect.linear_part is not None:
-        return _linear(effect.linear_part, p[0], frequency, amplitudes)
     damping, stiffening = np.zeros(len(amplitudes)), np.zeros(len(amplitudes))
     settled = True
     for i, amplitude in enumerate(amplitudes):
@@ -66,20 +64,8 @@ def average(
     return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), settled)
 
 
-def _linear(part: LinearPart, strength: float, frequency: float, amplitudes: Array) -> Signature:
-    """The forces that the simulator has built in, in closed form."""
-    none, all_ = np.zeros(len(amplitudes)), np.full(len(amplitudes), strength)
-    if part is LinearPart.STIFFNESS:
-        return Signature(frozen(amplitudes), frozen(none), frozen(all_), True)
-    if part is LinearPart.DAMPING:
-        return Signature(frozen(amplitudes), frozen(all_), frozen(none), True)
-    return Signature(
-        frozen(amplitudes), frozen(4.0 * strength / (np.pi * frequency * amplitudes)), frozen(none), True
-    )
-
-
 def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array]:
-    """Return displacement and velocity, (2 points + 1,) each, of one cycle.
+    """Return displacement and velocity, (points + 1,) each, of one cycle.
 
     The points lie between the reversals, never on them, so that the sign of the velocity is never in doubt.
     """
@@ -94,7 +80,7 @@ def _around(
     clock = time + (np.zeros(len(u)) if effect.rates is None else _ANGLE / frequency)
     start, size = effect.states_at_rest(amplitude, p), effect.state_sizes(amplitude, frequency)
     states, settled = effect.periodic_states(p, clock, u, v, start, size)
-    clock, u, v = (values[:-1:2].copy() for values in (clock, u, v))
+    clock, u, v = (values[:-1] for values in (clock, u, v))
     level = np.maximum(effect.friction_level_along(p, clock, u, v, states[:-1]), 0.0)
     return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), u, v, settled
 
@@ -107,8 +93,8 @@ def _second_order(
     They answer the force as x = -f_0/w^2 + sum f_n cos(n theta) / ((n^2 - 1) w^2); the force along u + x is averaged
     again. For k2 u^2 this gives -5 k2^2 A^2 / (6 w^2) (Nayfeh and Mook 1979, 2.1).
     """
-    theta = _ANGLE[:-1:2]
-    u, v = (values[:-1:2].copy() for values in _harmonic(frequency, amplitude))
+    theta = _ANGLE[:-1]
+    u, v = (values[:-1] for values in _harmonic(frequency, amplitude))
     clock, states = np.full(len(theta), time), np.zeros((len(theta), STATES))
 
     def along(displacement: Array) -> Array:

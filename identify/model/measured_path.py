@@ -8,7 +8,7 @@ from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.model.model import Model, Term
 
-_STEPS_BEFORE = 16
+_STEPS_BEFORE = 8
 """Steps between two samples of a motion in which a mass sets out: its velocity jumps."""
 
 

@@ -87,7 +87,7 @@ def cut_where_small(
     samples = int(large[-1] + 0.5 * cycle * window.rate) if len(large) else 0
     if samples < 5.0 * cycle * window.rate:
         return None
-    return window.until(min(samples, len(window)))
+    return window.part(slice(samples))
 
 
 def smallest_followed(last: PreparedDecay) -> float:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from identify.arrays import Mask
 from identify.errors import NotIdentifiable
+from identify.estimate import Estimate
+from identify.formatting import quantity
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import Alignment, align, correct
 from identify.preprocessing.lost_readings import find_lost_readings, find_spikes
@@ -36,8 +38,15 @@ class AlignedDecay(Summarised):
 
     def brief(self) -> Summary:
         """Summarize the release, the lag and the gain."""
+        found, rows = self.alignment, []
         lines = [f"Released at {self.release.time_s:.4f} s ({self.release.kind}).", self.not_aligned]
-        rows = () if self.alignment is None else self.alignment.brief().rows
+        if found is not None:
+            lag = Estimate(found.lag.value * 1e6, found.lag.std * 1e6, "us")
+            lines.append(found.caution)
+            rows = [
+                ("lag of the displacement (or velocity)", quantity(lag)),
+                ("gain of the acceleration", quantity(found.gain)),
+            ]
         return Summary("Aligned decay", lines, ("quantity", "value"), rows)
 
 

@@ -6,17 +6,14 @@ import numpy as np
 
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
-from identify.formatting import quantity
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_levels
-from identify.preprocessing.usable import HAND_S
+from identify.preprocessing.release import HAND_S
+from identify.preprocessing.sampling import average_blocks
 from identify.signal.fractional_delay import bridge, read_at_shift
-from identify.signal.kinematics import Agreement, Pair, agree
+from identify.signal.kinematics import Agreement, Pair, agree, reversal_excess
 from identify.signal.oscillation import dominant_frequency, running_amplitude
-from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import slope
-from identify.summary import Summarised, Summary
 
 ONE_CHANNEL = (
     "Only one channel was recorded, so there is no lag to find: "
@@ -35,8 +32,8 @@ CONTRADICTION = 4.0
 """The lag found and the lag stated are two estimates of one lag up to this many standard errors of their difference."""
 
 
-@dataclass(frozen=True, repr=False)
-class Alignment(Summarised):
+@dataclass(frozen=True)
+class Alignment:
     """Lag and gain of the displacement (or velocity) channel relative to the acceleration channel.
 
     `lag` in s is positive when the displacement is late. `gain` is the acceleration's gain relative to
@@ -48,15 +45,6 @@ class Alignment(Summarised):
     gain: Estimate
     method: str
     caution: str = ""
-
-    def brief(self) -> Summary:
-        """Return lag and gain with their errors."""
-        lag = Estimate(self.lag.value * 1e6, self.lag.std * 1e6, "us")
-        rows = (
-            ("lag of the displacement (or velocity)", quantity(lag)),
-            ("gain of the acceleration", quantity(self.gain)),
-        )
-        return Summary("Alignment of the channels", (self.caution,), ("quantity", "value"), rows)
 
 
 def align(decay: FreeDecay) -> Alignment:

@@ -9,23 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.arrays import Mask
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay
-from identify.preprocessing.decimation import average_blocks, flat_frequency
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
-from identify.preprocessing.sampling import block_means
-from identify.signal.fractional_delay import bridge
+from identify.preprocessing.sampling import HELD, average_blocks, block_means, flat_frequency
 
 BLOCKS_A_CYCLE = 64
 """Blocks a cycle that a fit needs at least; the simulator takes twice as many steps."""
 
 FEW = 4096
 """Samples of motion that are fitted as they are, however fast; an average leaves half as many at least."""
-
-_HELD = 0.5
-"""Share of a block's readings that must be there; the others are bridged."""
 
 _DISAGREE = 4.0
 """Standard errors by which the noise of the blocks may differ from what white noise leaves."""
@@ -42,12 +36,12 @@ def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
     block = _block(record)
     if block < 2:
         return aligned, 1
-    recorded, begins = _average(record, aligned.lost, block)
-    decay, _ = _average(aligned.decay, {}, block)
+    recorded, begins = average_blocks(record, block, aligned.lost)
+    decay, _ = average_blocks(aligned.decay, block)
     noise = _noise(aligned.noise, recorded, block)
     std = {f"noise_{name}": max(found.std, 1e-300) for name, found in noise.items()}
     skipped = record.start % block
-    lost = {name: block_means(mask[skipped:], block) >= 1.0 - _HELD for name, mask in aligned.lost.items()}
+    lost = {name: block_means(mask[skipped:], block) >= 1.0 - HELD for name, mask in aligned.lost.items()}
     return replace(
         aligned,
         recorded=recorded.with_(**std),
@@ -63,18 +57,6 @@ def _block(record: FreeDecay) -> int:
     most = len(reading) // (FEW // 2)
     frequency = flat_frequency(reading, record.rate) if len(reading) > FEW else 0.0
     return min(int(record.rate / frequency / BLOCKS_A_CYCLE), most) if frequency > 0.0 else 1
-
-
-def _average(decay: FreeDecay, lost: dict[str, Mask], block: int) -> tuple[FreeDecay, float]:
-    """Return the averaged decay, lost readings bridged, and the time of its first sample, s."""
-    there = decay.known
-    whole = {
-        name: bridge(values, there & ~lost.get(name, np.zeros(len(decay), dtype=np.bool_)))
-        for name, values in decay.channels.items()
-    }
-    found, begins = average_blocks(decay.with_(**whole, valid=None), block)
-    held = block_means(there[decay.start % block :], block) > _HELD
-    return found.with_(valid=None if held.all() else held), begins
 
 
 def _noise(before: dict[str, Noise], recorded: FreeDecay, block: int) -> dict[str, Noise]:

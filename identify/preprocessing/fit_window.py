@@ -160,10 +160,6 @@ class FitWindow:
     def _thinned(self) -> dict[int, Self]:
         return {}
 
-    def until(self, samples: int) -> Self:
-        """Return the window cut after some samples."""
-        return self.part(slice(samples))
-
 
 def _slice_of(mask: Mask) -> slice | Mask:
     """Make an index of the marked samples: a slice where they lie side by side, which copies nothing."""

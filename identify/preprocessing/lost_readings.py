@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
+from identify.preprocessing.noise import stale, steps_between
 from identify.signal.fractional_delay import lagrange_weights
-from identify.signal.levels import stale, steps_between
 from identify.signal.running import runs_of
 
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
@@ -44,7 +44,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
-    return lost | _spikes(readings, sigma, lost)
+    return lost | lone_spikes(readings, sigma)
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
@@ -66,7 +66,7 @@ def _amplified(length: int) -> float:
     return float(spread[0] / spread[1])
 
 
-def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
+def lone_spikes(readings: Array, sigma: float) -> Mask:
     """Return single readings that the cubic through their four neighbours misses by far.
 
     The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.
@@ -81,7 +81,7 @@ def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
     alone = np.zeros(len(readings), dtype=np.bool_)
     alone[1:-1] = (size[1:-1] > limit) & (size[1:-1] > 1.2 * np.maximum(size[:-2], size[2:]))
     alone[1:-1] &= (off[1:-1] * off[:-2] < 0.0) & (off[1:-1] * off[2:] < 0.0)
-    return alone & ~lost
+    return alone
 
 
 def find_spikes(samples: Array, valid: Mask, rate: float) -> Mask:

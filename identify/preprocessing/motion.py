@@ -11,9 +11,8 @@ from identify.preprocessing.alignment import pair_of, with_reversals
 from identify.preprocessing.noise import noise_levels
 from identify.signal.fractional_delay import bridge
 from identify.signal.integration import integrate, slow_part
-from identify.signal.kinematics import agree, cut
+from identify.signal.kinematics import agree, cut, reversal_excess
 from identify.signal.oscillation import dominant_frequency
-from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import gain_of, slope, smooth, smooth_to_noise
 
 SHORTEST = 16
@@ -29,7 +28,7 @@ class Motion:
     `start` is the index of the first sample in the record they were made from, `rate` is in Hz; `valid` is
     False where a sample was lost or an edge makes the values unreliable. `source` says which channels
     they were made from ("displacement and acceleration", "acceleration", "displacement", "velocity").
-    `noise_velocity` and `noise_acceleration` are the standard errors of a sample, where known; `noise_displacement` that of
+    `noise_velocity` and `noise_acceleration` are the standard errors of a sample; `noise_displacement` that of
     a loud channel's displacement, once it is smoothed.
     """
 
@@ -40,8 +39,8 @@ class Motion:
     acceleration: Array
     valid: Mask
     source: str
-    noise_velocity: float | None = None
-    noise_acceleration: float | None = None
+    noise_velocity: float
+    noise_acceleration: float
     noise_displacement: float | None = None
 
     def part(self, samples: slice) -> "Motion":
@@ -63,14 +62,14 @@ def reconstruct(decay: FreeDecay) -> Motion:
     high one, each with the weight of its noise; the acceleration's offset and slow drift are removed.
     From one channel: integration with the low frequencies removed, or differentiation with the noise in view.
     The channels are taken as aligned (see `identify.preprocessing.alignment.correct`). Raises NotIdentifiable when fewer
-    than 16 samples follow the release.
+    than 16 readings follow the release.
     """
     start = decay.start
-    if len(decay) - start < SHORTEST:
-        raise NotIdentifiable(
-            f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."
-        )
     known = decay.known[start:]
+    if known.sum() < SHORTEST:
+        raise NotIdentifiable(
+            f"Only {known.sum()} readings follow the release; at least {SHORTEST} are needed."
+        )
     (name, lowest), *others = decay.channels.items()
     if others and decay.acceleration is not None:
         return _from_pair(decay, known, f"{name} and acceleration")
@@ -91,17 +90,18 @@ def _motion(
     source: str,
     edge: int,
     parts: tuple[Array, Array, Array],
-    *noise: float | None,
+    noise: tuple[float, float],
+    noise_displacement: float | None = None,
 ) -> Motion:
     """Return displacement, velocity and acceleration, unreliable for `edge` samples at either end, as a motion.
 
-    `noise` is that of velocity, acceleration and, of a loud channel, displacement.
+    `noise` is that of velocity and acceleration.
     """
     reliable = known.copy()
     reliable[:edge] = False
     reliable[len(reliable) - edge :] = False
     u, v, a = map(frozen, parts)
-    return Motion(decay.rate, decay.start, u, v, a, frozen_mask(reliable), source, *noise)
+    return Motion(decay.rate, decay.start, u, v, a, frozen_mask(reliable), source, *noise, noise_displacement)
 
 
 def _from_pair(decay: FreeDecay, known: Mask, source: str) -> Motion:
@@ -113,10 +113,10 @@ def _from_pair(decay: FreeDecay, known: Mask, source: str) -> Motion:
         pair.order, rate, *(float(np.sqrt(np.min(v))) for v in (pair.variance_low, pair.variance_high))
     )
     if pair.order == 2:
-        return _motion(decay, known, source, 4, (low, _slope_of_pair(low, high, rate), high), *noise)
+        return _motion(decay, known, source, 4, (low, _slope_of_pair(low, high, rate), high), noise)
     raw = integrate(low, rate)
     slow = slow_part(raw, rate, dominant_frequency(high, rate), np.ones(len(raw), dtype=bool))
-    return _motion(decay, known, source, 4, (raw - slow.value, low, high), *noise)
+    return _motion(decay, known, source, 4, (raw - slow.value, low, high), noise)
 
 
 def _slope_of_pair(low: Array, high: Array, rate: float) -> Array:
@@ -143,10 +143,11 @@ def _from_displacement(
     loud = _is_loud(values[known], noise, frequency, rate)
     smoothed, corner = smooth_to_noise(values, noise, frequency / rate, known, loud=loud)
     velocity = slope(smoothed, rate)
-    left, left_in_velocity, left_in_acceleration = (_passed(noise, corner, rate, n) for n in range(3))
+    left, *noises = (_passed(noise, corner, rate, n) for n in range(3))
     parts = smoothed, velocity, slope(velocity, rate)
-    noises = left_in_velocity, left_in_acceleration, left if loud else None
-    return _motion(decay, known, "displacement", _edge(corner), parts, *noises)
+    return _motion(
+        decay, known, "displacement", _edge(corner), parts, (noises[0], noises[1]), left if loud else None
+    )
 
 
 def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool:
@@ -161,8 +162,8 @@ def _from_velocity(decay: FreeDecay, known: Mask, values: Array, noise: float, f
     raw = integrate(smoothed, rate)
     slow = slow_part(raw, rate, frequency, known)
     parts = raw - slow.value, smoothed - slow.first, slope(smoothed, rate) - slow.second
-    noises = (_passed(noise, corner, rate, n) for n in range(2))
-    return _motion(decay, known, "velocity", _edge(corner), parts, *noises)
+    noises = _passed(noise, corner, rate, 0), _passed(noise, corner, rate, 1)
+    return _motion(decay, known, "velocity", _edge(corner), parts, noises)
 
 
 def _edge(corner: float) -> int:
@@ -186,7 +187,7 @@ def _from_acceleration(
     largest = float(np.max(np.abs(smooth(centred, min(5.0 * frequency / rate, 0.5), known))))
     parts = raw - slow.value, velocity - slow.first, centred - slow.second
     noise_displacement = noise_velocity / omega if ABOVE_NOISE * noise > 0.5 * largest else None
-    return _motion(decay, known, "acceleration", 2, parts, noise_velocity, noise, noise_displacement)
+    return _motion(decay, known, "acceleration", 2, parts, (noise_velocity, noise), noise_displacement)
 
 
 def _passed(noise: float, corner: float, rate: float, derivatives: int) -> float:

@@ -7,7 +7,6 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.free_decay import FreeDecay
-from identify.signal.levels import SAME, steps_between
 from identify.signal.smoothing import without_line
 from identify.signal.spectrum import white_level
 
@@ -21,6 +20,9 @@ _STILL, _UNSURE_STILL, _UNSURE = 0.1, 0.1, 0.2
 
 CLIP, LEFT_INSIDE = 3.0, 0.97334
 """Outliers lie beyond so many standard deviations; the share of a normal variable's variance that lies within."""
+
+SAME = 1e-9
+"""Share of the range of the readings by which two of them may differ by rounding alone, in another unit or a simulation."""
 
 
 @dataclass(frozen=True)
@@ -107,3 +109,19 @@ def converter_step(values: Array) -> float:
     """Return the smallest difference between two readings that is not rounding: a converter's step; 0 where none differ."""
     steps = steps_between(values)
     return float(steps.min()) if len(steps) else 0.0
+
+
+def steps_between(values: Array) -> Array:
+    """Return the steps between neighbouring levels of readings (n,), one fewer than there are levels, in their unit."""
+    if not len(values):
+        return values
+    steps = np.diff(np.sort(values))
+    return np.asarray(steps[steps > SAME * np.ptp(values)])
+
+
+def stale(readings: Array) -> Mask:
+    """Return which readings (n,) repeat the one before, or are zero."""
+    rounding = SAME * float(np.ptp(readings))
+    mask = np.asarray(np.abs(readings) <= rounding)
+    mask[1:] |= np.abs(np.diff(readings)) <= rounding
+    return mask

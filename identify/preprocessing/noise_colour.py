@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 
 from identify.arrays import Array, frozen
+from identify.preprocessing.noise import steps_between
 from identify.signal.coloured_noise import Component, autocovariance, spectrum
-from identify.signal.levels import steps_between
 from identify.signal.smoothing import without_line
 
 SHORTEST = 32

@@ -12,6 +12,7 @@ from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.fit_window import PreReleaseMotion
 from identify.preprocessing.motion import reconstruct
 from identify.preprocessing.release import Release
+from identify.signal.fractional_delay import bridge
 
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
@@ -32,17 +33,10 @@ def pre_release_motion(aligned: AlignedDecay, release: Release, zero: float) -> 
     motion = reconstruct(decay.with_(release=max(first - _PRELUDE_MARGIN, 0)))
     part = slice(first - motion.start, release.settle - motion.start + 1)
     time = decay.time[first : release.settle + 1] - release.time_s
-    smooth = motion.displacement[part], motion.velocity[part]
-    u, v = smooth
-    if decay.acceleration is not None and _was_read(aligned, slice(first, release.settle + 1)):
-        u, v = _integrated(decay, release, time, smooth)
+    u, v = motion.displacement[part], motion.velocity[part]
+    if decay.acceleration is not None:
+        u, v = _integrated(decay, release, time, (u, v))
     return PreReleaseMotion(time, u - zero, v)
-
-
-def _was_read(aligned: AlignedDecay, samples: slice) -> bool:
-    """Check that at most one acceleration reading was lost: the release itself may look like a lost one."""
-    valid, lost = aligned.recorded.valid, aligned.lost.get("acceleration")
-    return bool((valid is None or valid[samples].all()) and (lost is None or lost[samples].sum() <= 1))
 
 
 def _integrated(
@@ -52,7 +46,8 @@ def _integrated(
     assert decay.displacement is not None
     still = slice(*release.rest)
     first = release.settle + 1 - len(time)
-    a = decay.acceleration[first : release.settle + 1] - float(np.nanmedian(decay.acceleration[still]))
+    whole = bridge(decay.acceleration, np.isfinite(decay.acceleration))
+    a = whole[first : release.settle + 1] - float(np.nanmedian(decay.acceleration[still]))
     held = float(np.nanmedian(decay.displacement[still]))
     step = 1.0 / decay.rate
     v = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * step)])

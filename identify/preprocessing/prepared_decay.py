@@ -6,22 +6,20 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.errors import NotIdentifiable
 from identify.formatting import scaled
-from identify.free_decay import CHANNELS, FreeDecay
+from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import FitWindow
-from identify.preprocessing.motion import ABOVE_NOISE, Motion, reconstruct
+from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import SHORTEST_REST, Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
 from identify.preprocessing.record_use import RecordUse, record_use
 from identify.preprocessing.release import Release
-from identify.preprocessing.sampling import too_coarse
-from identify.signal.fractional_delay import bridge
+from identify.preprocessing.usable import above, base_columns, floor_of, refusal
 from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
@@ -127,17 +125,18 @@ def prepare(
     motion = reconstruct(corrected.with_(release=release.settle))
     motion = motion.part(slice(max(release.end - release.settle, 0)))
     if len(motion.displacement) < 16:
-        raise _refusal(record, "The motion after the release is too short; record at least four cycles.")
+        raise refusal(record, "The motion after the release is too short; record at least four cycles.")
     force = _force(record, release, motion)
     restoring = -motion.acceleration if force is None else force - motion.acceleration
-    base = regress(restoring, _base_columns(motion), moving(motion))
+    base = regress(restoring, base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
     if not 0.0 < k < (np.pi * record.rate) ** 2:
-        raise _refusal(record, _no_spring(record))
+        raise refusal(record, _no_spring(record))
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
-    length = _length(motion, frequency, max(mu_0, 0.0) / k, sigma)
+    floor = min(floor_of(sigma, frequency), motion.noise_displacement or np.inf)
+    length = above(motion, frequency, max(mu_0, 0.0) / k, floor)
     cycles = length * frequency / (2.0 * np.pi * record.rate)
     begin = (release.settle - release.time_s * record.rate) / record.rate
     to_the_end = length == len(motion.displacement)
@@ -145,7 +144,7 @@ def prepare(
         located, begin, begin + length / record.rate, 2.0 * np.pi / frequency, to_the_end=to_the_end
     )
     if cycles < fewest_cycles:
-        raise _refusal(record, _too_few(cycles, frequency, use, fewest_cycles))
+        raise refusal(record, _too_few(cycles, frequency, use, fewest_cycles))
     motion = replace(motion.part(slice(length)), displacement=motion.displacement[:length] - zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in aligned.lost.items()}
     window = _window(
@@ -165,13 +164,6 @@ def prepare(
         mass=record.mass,
         use=use,
     )
-
-
-def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
-    """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
-    channel, reading = next(iter(record.channels.items()))
-    coarse = too_coarse(bridge(reading, record.known), record.rate, CHANNELS.index(channel))
-    return NotIdentifiable(coarse or reason)
 
 
 def _no_spring(record: FreeDecay) -> str:
@@ -218,7 +210,7 @@ def _force(decay: FreeDecay, release: Release, motion: Motion) -> Array | None:
     force = decay.force[release.settle :][: len(motion.displacement)]
     if decay.mass is not None:
         return force
-    columns = np.column_stack([_base_columns(motion), -force])
+    columns = np.column_stack([base_columns(motion), -force])
     return np.asarray(regress(-motion.acceleration, columns, moving(motion)).strengths[-1] * force)
 
 
@@ -242,27 +234,9 @@ def _without_reversals(
         return window
     share = _REVERSAL_MARGIN + (_REVERSAL_IN_BLOCK if averaged else 0.0)
     timing = np.abs(motion.acceleration) * share / motion.rate
-    margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
+    margin = timing + 4.0 * motion.noise_velocity + 0.5 * friction / motion.rate
     clear = np.abs(motion.velocity) >= margin
     return window.with_(used=window.used | {"acceleration": window.used["acceleration"] & clear})
-
-
-def _base_columns(motion: Motion) -> Array:
-    return np.column_stack([motion.displacement, motion.velocity, np.sign(motion.velocity)])
-
-
-def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, float]) -> int:
-    """Number of samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
-
-    The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k).
-    """
-    amplitude = np.abs(motion.velocity) / frequency
-    floors = [noise[c] / frequency**order for order, c in enumerate(CHANNELS) if c in noise]
-    if motion.noise_displacement is not None:
-        floors.append(motion.noise_displacement)
-    limit = 2.0 * stuck + ABOVE_NOISE * min(floors)
-    above = np.flatnonzero(amplitude > limit)
-    return int(above[-1]) + 1 if len(above) else 0
 
 
 def _window(

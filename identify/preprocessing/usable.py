@@ -1,43 +1,81 @@
-"""The usable stretch of a record: after the hand has let go, before the mass comes near to sticking."""
+"""The usable stretch of a motion: after the hand has let go, before the mass comes near to sticking or to its noise."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
+from identify.free_decay import CHANNELS, FreeDecay
+from identify.preprocessing.equation_error import moving, regress
+from identify.preprocessing.motion import ABOVE_NOISE, Motion
+from identify.preprocessing.release import HAND_S
+from identify.preprocessing.sampling import flat_frequency, too_coarse
+from identify.signal.fractional_delay import bridge
 
-HAND_S = 0.030
-"""A hand has surely let go this long after the release: it takes 20 ms at most, and channels differ by 3 ms."""
+
+def usable(
+    decay: FreeDecay, motion: Motion, noise: dict[str, float], fewest: float
+) -> tuple[int, int, float]:
+    """Return the first usable sample of a motion, one past the last, and its angular frequency (rad/s).
+
+    `noise` is that of the channels which a method looks at; of a driven motion all is usable. Raises NotIdentifiable when
+    it holds no oscillation or fewer than `fewest` cycles.
+    """
+    frequency = flat_frequency(motion.displacement, motion.rate)
+    if frequency <= 0.0:
+        raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
+    first, length, omega = 0, len(motion.displacement), 2.0 * np.pi * frequency
+    if decay.force is None:
+        first = max(_first_free_sample(decay, frequency) - motion.start, 0)
+        free = motion.part(slice(first, None))
+        mu_0 = float(regress(-free.acceleration, base_columns(free), moving(free)).strengths[2])
+        sure = replace(free, velocity=np.where(free.valid, free.velocity, 0.0))
+        length = above(sure, omega, max(mu_0, 0.0) / omega**2, floor_of(noise, omega))
+    cycles = length * frequency / motion.rate
+    if cycles < fewest:
+        raise refusal(
+            decay,
+            f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
+            "release from a larger amplitude or record longer",
+        )
+    return first, first + length, omega
 
 
-def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
-    """Return the first sample at which the hand has surely let go.
+def _first_free_sample(decay: FreeDecay, frequency: float) -> int:
+    """Return the first sample at which the hand has surely let go, at a frequency in Hz.
 
-    `frequency` (Hz) shortens the wait where 30 ms is more than a quarter of a cycle. A record without a rest
-    before the release began in mid-decay: no hand, no wait.
+    Where 30 ms is more than a quarter of a cycle, the wait is that. A record without a rest before the release began in
+    mid-decay: no hand, no wait.
     """
     if decay.rest[1] <= decay.rest[0]:
         return decay.start
-    wait = HAND_S if frequency is None else min(HAND_S, 0.25 / frequency)
-    return decay.start + int(np.ceil(wait * decay.rate))
+    return decay.start + int(np.ceil(min(HAND_S, 0.25 / frequency) * decay.rate))
 
 
-def last_large_sample(envelope: Array, threshold: float) -> int:
-    """Return one past the last sample before `envelope` (n,) first stays below `threshold`."""
-    below = np.flatnonzero(envelope < threshold)
-    return int(below[0]) if len(below) else len(envelope)
+def base_columns(motion: Motion) -> Array:
+    """Return displacement, velocity and its sign along a motion, (n, 3): the forces of the usual model."""
+    return np.column_stack([motion.displacement, motion.velocity, np.sign(motion.velocity)])
 
 
-def require_cycles(samples: int, rate: float, frequency: float, fewest: float) -> None:
-    """Raise NotIdentifiable when `samples` at `rate` hold fewer than `fewest` cycles or too few samples a cycle."""
-    cycles = samples * frequency / rate
-    if cycles < fewest:
-        raise NotIdentifiable(
-            f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
-            "release from a larger amplitude or record longer"
-        )
-    if rate < 3 * frequency:
-        raise NotIdentifiable(
-            f"{rate / frequency:.1f} samples a cycle are too few to follow {frequency:.3g} Hz; "
-            f"record at {4 * frequency:.3g} Hz or faster"
-        )
+def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
+    """Count the samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
+
+    The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k). `frequency`
+    is angular (rad/s), `stuck` mu_0/k and `floor` the noise of the displacement (m).
+    """
+    large = np.abs(motion.velocity) / frequency > 2.0 * stuck + ABOVE_NOISE * floor
+    places = np.flatnonzero(large)
+    return int(places[-1]) + 1 if len(places) else 0
+
+
+def floor_of(noise: dict[str, float], frequency: float) -> float:
+    """Return the noise by channel as that of a displacement (m) at an angular frequency: that of the best channel."""
+    return min(noise[c] / frequency**order for order, c in enumerate(CHANNELS) if c in noise)
+
+
+def refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
+    """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
+    channel, reading = next(iter(record.channels.items()))
+    coarse = too_coarse(bridge(reading, record.known), record.rate, CHANNELS.index(channel))
+    return NotIdentifiable(coarse or reason)

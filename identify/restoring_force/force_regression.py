@@ -8,8 +8,7 @@ import numpy as np
 from identify.algebra import whiten
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
-from identify.restoring_force.force_window import ForceWindow, noise_velocity
-from identify.restoring_force.surface import Polynomial
+from identify.restoring_force.force_window import ForceWindow
 from identify.restoring_force.velocity_sign import (
     Direction,
     band_of_reversals,
@@ -30,6 +29,29 @@ from identify.signal.weak_form import (
 
 _MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
 _SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more would throw the resonance away
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomial:
+    """The restoring force as a sum of terms: mu_i |v|^i sgn(v), chi_j u^j and a constant (eq. 15)."""
+
+    damping: Array
+    stiffness: dict[int, float]
+    offset: float
+
+    def elastic(self, displacement: Array) -> Array:
+        """Return the part that displacement makes, with the constant, any shape."""
+        return self.offset + sum((chi * displacement**j for j, chi in self.stiffness.items()), np.zeros(1))
+
+    def dissipative(self, velocity: Array) -> Array:
+        """Return the part that velocity makes, any shape."""
+        speed = np.abs(velocity)
+        loss = np.polynomial.polynomial.polyval(speed, self.damping)
+        return np.asarray(np.sign(velocity) * loss)
+
+    def __call__(self, displacement: Array, velocity: Array) -> Array:
+        """Return the force per unit mass."""
+        return self.elastic(displacement) + self.dissipative(velocity)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +104,7 @@ def fit_orders(
 
     direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, window.blur)
     band = _covariance(window, windows, mu_1, k_1)
-    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(window))
+    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, motion.noise_velocity)
     found = rows(direction)
     best = _solved(found, factor_of(band), max(max_order, 1), len(others))
     misfit = best.chi_square > _MISFIT

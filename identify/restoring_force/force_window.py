@@ -9,16 +9,12 @@ from numpy.typing import NDArray
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import flat_frequency
-from identify.preprocessing.equation_error import regress
 from identify.preprocessing.motion import Motion
 from identify.preprocessing.noise import noise_levels
-from identify.preprocessing.usable import first_free_sample, last_large_sample, require_cycles
+from identify.preprocessing.sampling import too_coarse
+from identify.preprocessing.usable import usable
 
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
-_FEWEST_SAMPLES = 8.0  # a cycle, where one channel must give the others
-_STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, as the wavelet identification does
-_STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
 _BLUR_CYCLES = 0.03  # by which the smoothing of a lone displacement rounds a kink
 _LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
@@ -78,45 +74,11 @@ def window_of(decay: FreeDecay, motion: Motion) -> ForceWindow:
 
     Raises NotIdentifiable when it holds no oscillation or too few cycles.
     """
-    finite = (
-        np.isfinite(motion.displacement) & np.isfinite(motion.velocity) & np.isfinite(motion.acceleration)
-    )
-    valid = motion.valid & finite
-    frequency = flat_frequency(motion.displacement, motion.rate)
-    if frequency <= 0:
-        raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
-    w, noise = 2 * np.pi * frequency, noise_spectrum(decay)
+    first, stop, w = usable(decay, motion, noise_levels(decay), _FEWEST_CYCLES)
+    if "and" not in motion.source and (coarse := too_coarse(motion.displacement, motion.rate, 0)):
+        raise NotIdentifiable(coarse)
     force = None if decay.force is None else decay.force[motion.start :]
-    first = 0 if force is not None else max(0, first_free_sample(decay, frequency) - motion.start)
-    stop = len(valid)
-    require_cycles(stop - first, motion.rate, frequency, _FEWEST_CYCLES)
-    if motion.rate < _FEWEST_SAMPLES * frequency and "and" not in motion.source:
-        raise NotIdentifiable(
-            f"{motion.rate / frequency:.1f} samples a cycle are too few to tell the velocity from the "
-            f"{motion.source} alone; record at {2 * _FEWEST_SAMPLES * frequency:.3g} Hz or faster"
-        )
-    window = ForceWindow(motion, first, stop, valid[first:stop], w, force, noise)
-    if force is not None:
-        return window
-    cycle = max(3, int(motion.rate / frequency))
-    speed = np.where(valid, np.abs(motion.velocity), 0.0)[first:]
-    largest = np.max(np.lib.stride_tricks.sliding_window_view(np.pad(speed, (0, cycle)), cycle), axis=1)
-    envelope = largest[: len(speed)] / w
-    quiet = _STOP_AT_NOISE * float(np.sqrt(noise(np.array([w]))[0]))
-    dry = 0.04 * float(np.max(envelope))
-    for _ in range(3):
-        stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
-        stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
-        window = ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
-        dry = max(0.0, _dry_friction(window)) / w**2
-    return window
-
-
-def _dry_friction(window: ForceWindow) -> float:
-    """Plain least squares of eq. (15) of first order: a first value for mu_0."""
-    motion = window.motion
-    u, v, a = (window.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
-    return float(regress(-a, np.stack([np.sign(v), v, u], axis=1), window.valid).strengths[0])
+    return ForceWindow(motion, first, stop, motion.valid[first:stop], w, force, noise_spectrum(decay))
 
 
 def points_of(window: ForceWindow) -> NDArray[np.int_]:
@@ -127,13 +89,5 @@ def points_of(window: ForceWindow) -> NDArray[np.int_]:
     reach = min(_REACH, int(0.05 * 2 * np.pi * window.motion.rate / window.angular_frequency))
     for shift in range(1 - reach, reach + 1):
         turned[np.clip(reversal + shift, 0, len(v) - 1)] = True
-    least = _SURE_SIGN * (window.motion.noise_velocity or 0.0)
+    least = _SURE_SIGN * window.motion.noise_velocity
     return np.asarray(window.first + np.flatnonzero(window.valid & ~turned & (np.abs(v) > least)))
-
-
-def noise_velocity(window: ForceWindow) -> float:
-    """Return the standard error of a velocity of the motion, m/s."""
-    if window.motion.noise_velocity is not None:
-        return window.motion.noise_velocity
-    w = np.array([window.angular_frequency])
-    return float(w[0] * np.sqrt(window.noise(w)[0]))

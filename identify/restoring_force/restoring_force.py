@@ -10,16 +10,27 @@ from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.identified import Identified, damping_unit, dampings, estimate, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
-from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import reconstruct
-from identify.restoring_force.force_regression import ForceFit, fit_orders
+from identify.preprocessing.sampling import block_averaged
+from identify.restoring_force.force_regression import ForceFit, Polynomial, fit_orders
 from identify.restoring_force.force_window import ForceWindow, points_of, window_of
-from identify.restoring_force.surface import Section, sections_of
 from identify.signal.order_selection import choose_order
 from identify.signal.weak_form import place_windows
 from identify.summary import Summary
 
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A cut of the surface, shape (n,) each.
+
+    `position` (m or m/s) in ascending order, the measured force per unit mass, and the fit.
+    """
+
+    position: Array
+    force: Array
+    fit: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -117,7 +128,7 @@ def _result(
     per_mass = stiffnesses(
         decay, {j: (chi, s) for (j, chi), s in zip(polynomial.stiffness.items(), stiffness_std, strict=True)}
     )
-    at_rest, at_zero = sections_of(polynomial, u, v, force)
+    at_rest, at_zero = _sections_of(polynomial, u, v, force)
     return RestoringForceResult(
         stiffness_by_order=with_mass(decay, per_mass),
         damping=dampings(decay, zip(polynomial.damping, damping_std, strict=True)),
@@ -156,3 +167,25 @@ def _damping_name(order: int) -> str:
 
 def _power(symbol: str, order: int) -> str:
     return symbol if order == 1 else f"{symbol}^{order}"
+
+
+def _sections_of(
+    polynomial: Polynomial, displacement: Array, velocity: Array, force: Array
+) -> tuple[Section, Section]:
+    """Return the sections at v = 0 and at u = 0 of the measured points (n,).
+
+    Points within a tenth of the largest velocity (displacement) of the cut are carried onto it along the fitted surface;
+    the sign of a velocity of zero counts as none, so the first section is elastic.
+    """
+    residual = force - polynomial(displacement, velocity)
+    elastic = polynomial.elastic(displacement)
+    dissipative = polynomial.dissipative(velocity) + polynomial.offset
+    return _section(displacement, velocity, elastic, residual), _section(
+        velocity, displacement, dissipative, residual
+    )
+
+
+def _section(along: Array, across: Array, fit: Array, residual: Array) -> Section:
+    near = np.flatnonzero(np.abs(across) < 0.1 * np.max(np.abs(across)))
+    near = near[np.argsort(along[near])]
+    return Section(frozen(along[near]), frozen((fit + residual)[near]), frozen(fit[near]))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from identify.algebra import banded_cholesky
 from identify.arrays import Array, Mask
-from identify.signal.morlet import Complex, fast_length
+from identify.signal.morlet import Complex
 
 WINDOW_CYCLES = 2.0
 ROWS_PER_CYCLE = 4
@@ -94,7 +94,7 @@ def band_of(windows: Windows, kernel: Complex, rate: float, spectrum: Callable[[
     """
     overlap = (len(kernel) - 1) // windows.step + _TAIL
     width = 2 * (overlap + 1)
-    length = fast_length(2 * (len(kernel) + (_TAIL + 1) * windows.step))
+    length = 1 << (2 * (len(kernel) + (_TAIL + 1) * windows.step)).bit_length()
     level = spectrum(np.abs(2 * np.pi * fft.fftfreq(length, 1 / rate)))
     parts = (fft.fft(kernel.real, length), fft.fft(kernel.imag, length))
     apart = np.arange(overlap + 1) * windows.step

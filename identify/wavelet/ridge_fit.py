@@ -7,13 +7,16 @@ what the transform then shows beyond the averaged model is taken off the measure
 """
 
 from dataclasses import dataclass, replace
+from math import ceil, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
+from identify.effects.families import POWER_LAW_DAMPING
+from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.errors import NotIdentifiable
-from identify.model.simulate import Response
+from identify.model.simulate import Response, make_system, simulate
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -24,12 +27,25 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.exact_decay import RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
 _MOST_POINTS = 400
 _SETTLED = 0.05
+_ROUNDS = 30
+_STEPS_PER_CYCLE = 100  # the frequency of a fourth-order step is then off by some 1e-8
+_RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
+_ASTRAY = 2.0
+
+
+class RunsAway(NotIdentifiable):
+    """The coefficients describe no free decay: the motion grows without end, or is no number at all."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "with the stiffness and the damping of the envelope the motion would diverge; "
+            "release from a smaller amplitude, or try lower orders"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +83,7 @@ class Observed:
 class RidgeFit:
     """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
 
-    `bias_envelope` and `bias_phase` are what was taken off; `settled` says whether another round would change
-    nothing. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of
-    the exact decay, where the two differ by more than a little.
+    `bias_envelope` and `bias_phase` are what was taken off.
     """
 
     envelope_fit: EnvelopeFit
@@ -79,9 +93,6 @@ class RidgeFit:
     phase: Array
     bias_envelope: Array
     bias_phase: Array
-    step: float
-    settled: bool = False
-    mixing: Array | None = None
 
     @property
     def order(self) -> int:
@@ -148,6 +159,41 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
     )
 
 
+def simulate_decay(
+    displacement: float, velocity: float, stiffness: dict[int, float], damping: Array, step: float, count: int
+) -> Response:
+    """Simulate u'' = -sum k_i u^i - sum mu_i |u'|^i sgn(u') from a given state; `count` samples `step` s apart.
+
+    `stiffness` holds k_i (per unit mass) by its order i: 1, 3 and 5; `damping` mu_0, mu_1, .... The mass sticks where
+    the spring cannot overcome mu_0. Raises RunsAway where a coefficient is no finite number, k_1 lets the mass
+    turn more than once between two samples, or the motion grows to a hundred times its start.
+    """
+    turn = step * sqrt(max(abs(stiffness[1]), 1e-300))
+    if not np.isfinite([displacement, velocity, *stiffness.values(), *damping]).all() or turn > 2 * pi:
+        raise RunsAway
+    higher = [(STIFFNESS_BY_ORDER[i], k, i) for i, k in stiffness.items() if i > 1]
+    higher += [
+        (DAMPING_BY_ORDER[i] if i < len(DAMPING_BY_ORDER) else POWER_LAW_DAMPING.effect, mu, i)
+        for i, mu in enumerate(damping)
+        if i > 1
+    ]
+    mu_0, mu_1 = [*damping, 0.0][:2]
+    motion = simulate(
+        make_system(tuple(effect for effect, _, _ in higher)),
+        np.array([stiffness[1], mu_1, mu_0]),
+        np.array([(size, order, 1.0, 0.0, 0.0, 0.0) for _, size, order in higher]).reshape(-1, 6),
+        start=(displacement, velocity),
+        states=np.zeros((len(higher), 2)),
+        samples=count,
+        rate=1.0 / step,
+        substeps=max(1, ceil(_STEPS_PER_CYCLE * turn / (2 * pi))),
+    )
+    start = max(abs(displacement), abs(velocity) * step / turn)
+    if not np.abs(motion.displacement).max(initial=0.0) <= _RUN_AWAY * start:
+        raise RunsAway
+    return motion
+
+
 def channel_of(decay: Response, derivatives: int) -> Array:
     """Return the displacement, velocity or acceleration of a computed decay."""
     return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
@@ -168,7 +214,7 @@ def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeF
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
     phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero, observed.step)
+    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
 
 
 def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
@@ -182,40 +228,42 @@ def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -
     return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
 
 
-def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit:
+def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
 
-    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times. Where a round leads to a motion that runs
-    away, the one before it is the last; RunsAway where the first does.
+    "Nothing" is a twentieth of the envelope's noise; at most 30 times, which strong damping needs. Where a round changes
+    twice as much as the least one, or leads to a motion that runs away, the fit before the least one counts; RunsAway where
+    the first does.
     """
-    sound = fit
-    for at in range(rounds):
+    sound, least = fit, np.inf
+    for at in range(_ROUNDS):
         try:
             seen, phase = seen_of(observed, fit)
         except RunsAway:
             if not at:
                 raise
             return sound
-        sound = fit
         bias_envelope, bias_phase = seen - fit.envelope_fit.fit, phase - fit.phase_fit.fit
         more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
         envelope, phases = fit.envelope - more, fit.phase - later
         size = np.abs(envelope)
-        fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
-        phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
         change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
-        settled = bool(np.all(change < _SETTLED * np.sqrt(observed.variance)))
+        largest = float(np.max(change / np.sqrt(observed.variance)))
+        if largest > _ASTRAY * least:
+            return sound
+        if largest < least:
+            sound, least = fit, largest
         fit = replace(
             fit,
-            envelope_fit=fitted,
-            phase_fit=phase_fit,
+            envelope_fit=fit_envelope(
+                envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1
+            ),
+            phase_fit=fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight),
             envelope=envelope,
             phase=phases,
             bias_envelope=bias_envelope,
             bias_phase=bias_phase,
-            settled=settled,
-            mixing=None,
         )
-        if settled:
+        if largest < _SETTLED:
             break
     return fit

@@ -1,20 +1,28 @@
-"""The covariance of the ridge's values: the channel's noise carried through the transform, and the misfit."""
+"""The covariance of the ridge's values: the channel's noise carried through the transform, and the misfit.
+
+Averaging gives the gains by which envelope and phase are turned into parameters. How the exact decay, seen through the
+transform, answers to each parameter is measured by computing it once more for each; its product with the gains is the
+identity where averaging is right, and under strong damping is what their errors lack.
+"""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from identify.arrays import Array
+from identify.signal.averaging import integrate_envelope
 from identify.signal.covariance import misfit_covariance
 from identify.signal.morlet import Complex, weights_on_samples
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
-from identify.wavelet.ridge_fit import Observed, RidgeFit
+from identify.wavelet.ridge_fit import Observed, RidgeFit, phase_model, seen_of
 
 
 def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return the standard errors of k(0), c_0, ... and of phi(0), w_1, ... of `fit`.
 
-    White noise of the samples carried through the transform, and the misfit where there is one.
+    White noise of the samples carried through the transform, and the misfit where there is one. Raises RunsAway where a
+    motion so near the fitted one grows without end.
     """
     gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
     cut = len(gain)
@@ -25,10 +33,23 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     covariance[cut:, cut:] += _misfit(
         observed, fit.phase - fit.phase_fit.fit, spread / _amplitude(fit), phase_gain, len(phase_gain)
     )
-    if fit.mixing is not None:
-        covariance = fit.mixing @ covariance @ fit.mixing.T
+    mixing = _mixing(observed, fit)
+    covariance = mixing @ covariance @ mixing.T
     errors = np.sqrt(np.diag(covariance))
     return errors[:cut], errors[cut:]
+
+
+def _mixing(observed: Observed, fit: RidgeFit) -> Array:
+    """Return what carries parameters gained by averaging into those of the exact decay, shape (p, p)."""
+    seen = seen_of(observed, fit)
+    size = _sizes(fit, observed)
+    answer = np.empty((len(size), len(size)))
+    for i, step in enumerate(1e-3 * size):
+        moved = seen_of(observed, _moved(observed, fit, np.where(np.arange(len(size)) == i, step, 0.0)))
+        envelope, phase = moved[0] - seen[0], moved[1] - seen[1]
+        answer[:, i] = np.concatenate([fit.envelope_fit.gain @ envelope, fit.phase_fit.gain @ phase]) / step
+    scale = size[:, None] / size
+    return np.asarray(np.linalg.pinv(answer / scale, rcond=1e-6) * scale)
 
 
 def clearances_of(
@@ -68,3 +89,26 @@ def _turn(observed: Observed, fit: RidgeFit) -> Complex:
 def _carried(observed: Observed, on_points: Complex) -> Array:
     rows = weights_on_samples(observed.ridge, on_points)
     return observed.noise**2 * rows @ rows.T
+
+
+def _sizes(fit: RidgeFit, observed: Observed) -> Array:
+    """How far each parameter may go before the decay looks different: k(0), c_0, ..., phi(0), w_1, ...."""
+    start = fit.envelope_fit.parameters[0]
+    duration = len(observed.samples) / observed.rate
+    rate = start / duration
+    damping = [rate / start**i for i in range(fit.order + 1)]
+    stiffness = [1 / duration / start ** (order - 1) for order in fit.stiffness_orders]
+    return np.array([start, *damping, 1.0, *stiffness])
+
+
+def _moved(observed: Observed, fit: RidgeFit, change: Array) -> RidgeFit:
+    cut = fit.order + 2
+    decay, phases = fit.envelope_fit.parameters + change[:cut], fit.phase_fit.parameters + change[cut:]
+    points, step = len(fit.envelope), observed.step
+    model = integrate_envelope(decay[0], decay[1:], step, points)
+    turned = phase_model(phases, model, step, fit.stiffness_orders)
+    return replace(
+        fit,
+        envelope_fit=replace(fit.envelope_fit, parameters=decay, fit=model),
+        phase_fit=replace(fit.phase_fit, parameters=phases, fit=turned),
+    )

@@ -6,35 +6,39 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.clock_error import clock_sentence
+from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import CHANNELS, FreeDecay
 from identify.identified import Identified, dampings, stiffnesses, with_mass
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
-from identify.preprocessing.decimation import block_averaged
-from identify.preprocessing.sampling import block_means
+from identify.preprocessing.motion import reconstruct
+from identify.preprocessing.noise import noise_levels
+from identify.preprocessing.sampling import block_averaged, block_means
+from identify.preprocessing.usable import usable
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
 from identify.summary import Summary
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
-from identify.wavelet.exact_decay import RunsAway
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
+    RunsAway,
     channel_of,
     envelope_and_phase,
     exact_decay,
     first_fit,
+    free_of_bias,
+    observe,
     other_backbone,
     other_order,
     parameters_of,
 )
-from identify.wavelet.ridge_newton import settle
 from identify.wavelet.ridge_spread import clearances_of, spreads_of
-from identify.wavelet.ridge_window import observe_window
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
+_FEWEST_CYCLES = 3.0
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
@@ -49,11 +53,10 @@ class WaveletResult(Identified):
     `stiffness_by_order` holds the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5), and
     `stiffness_reason` says why; `mse_percent_by_order` is the misfit of the envelope.
     Arrays on the ridge, shape (n,): `time` (s, on the
-    record's clock), `envelope`, `envelope_fit` (m), `frequency` (Hz), `trusted` (False near the ends).
+    record's clock), `envelope`, `envelope_fit` (m), `frequency`, `frequency_fit` (Hz), `trusted` (False near the ends).
     The envelope is free of the transform's own bias, at the ends too. `reconstruction` is the decay rebuilt
     from the parameters on `time`, in the unit of `channel`. `scalogram` (frequencies, times) is
-    the modulus on `scalogram_frequency` (Hz) and `scalogram_time` (s). `backbone_amplitude` (m) and
-    `backbone_frequency` (Hz) are the backbone, `backbone_fit` its averaged model.
+    the modulus on `scalogram_frequency` (Hz) and `scalogram_time` (s).
     """
 
     channel: str
@@ -61,14 +64,12 @@ class WaveletResult(Identified):
     envelope: Array
     envelope_fit: Array
     frequency: Array
+    frequency_fit: Array
     trusted: Mask
     reconstruction: Array
     scalogram: Array
     scalogram_frequency: Array
     scalogram_time: Array
-    backbone_amplitude: Array
-    backbone_frequency: Array
-    backbone_fit: Array
     stiffness_reason: str
     clock: str = ""
 
@@ -94,13 +95,28 @@ def identify_wavelet(
     through the transform, and grow with what the model leaves unexplained.
     """
     decay, begins = block_averaged(aligned(decay))
-    start, observed = observe_window(decay)
-    fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
+    start, observed = _observed(decay)
+    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)))
     wanted = {1, *stiffness_orders} & set(STIFFNESS_ORDERS[-1])
     tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
     fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
     begins += start / decay.rate
     return _result(decay, begins, observed, fit, misfits, reasons)
+
+
+def _observed(decay: FreeDecay) -> tuple[int, Observed]:
+    """Return the first usable sample of the lowest channel, and its ridge over what is usable."""
+    if decay.driven:
+        raise NotIdentifiable(
+            "a force drives the motion to the end of the record; the wavelet method needs a free decay"
+        )
+    channel, samples = next(iter(decay.channels.items()))
+    noise, motion = noise_levels(decay)[channel], reconstruct(decay)
+    first, stop, w = usable(decay.with_(force=None), motion, {channel: noise}, _FEWEST_CYCLES)
+    part = slice(motion.start + first, motion.start + stop)
+    valid = decay.known
+    whole, derivatives = bridge(samples, valid), CHANNELS.index(channel)
+    return part.start, observe(whole[part], valid[part], decay.rate, derivatives, w, noise)
 
 
 def _with_orders(
@@ -125,7 +141,7 @@ def _with_orders(
             fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=tried[best]
         )
         try:
-            settled = settle(observed, changed)
+            settled = free_of_bias(observed, changed)
             if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
                 raise RunsAway
             fit = settled
@@ -180,7 +196,6 @@ def _result(
     time = begins + np.arange(len(observed.samples)) / decay.rate
     ridge = _curves(observed, fit, reconstruction)
     modulus, ladder, columns = _scalogram(observed)
-    trusted = ridge["support"] > _TRUSTED
     return WaveletResult(
         stiffness_by_order=stiffness,
         damping=damping,
@@ -192,14 +207,12 @@ def _result(
         envelope=frozen(ridge["envelope"]),
         envelope_fit=frozen(ridge["model"]),
         frequency=frozen(ridge["frequency"]),
-        trusted=frozen_mask(trusted),
+        frequency_fit=frozen(ridge["averaged"]),
+        trusted=frozen_mask(ridge["support"] > _TRUSTED),
         reconstruction=frozen(reconstruction + level),
         scalogram=frozen(modulus),
         scalogram_frequency=frozen(ladder),
         scalogram_time=frozen(columns + time[0]),
-        backbone_amplitude=frozen(ridge["envelope"][trusted]),
-        backbone_frequency=frozen(ridge["frequency"][trusted]),
-        backbone_fit=frozen(ridge["averaged"][trusted]),
         stiffness_per_mass=per_mass[1],
         stiffness_reason=reasons[1],
         clock=clock_sentence(stiffness.values(), decay.rate, decay.rate_std),

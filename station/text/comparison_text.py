@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.fitting.model_error import noise_percent
-from identify.formatting import plain_name, scaled, three_figures
+from identify.formatting import plain_name, three_figures
 from station.story.pipeline import Compared
 from station.story.residual import floor_words
 from station.text.content import Told, facts
@@ -45,7 +44,6 @@ def told(compared: Compared) -> Told:
         ),
         ("force", force),
         ("noise", floor_text(compared)),
-        ("harmonics", harmonics_text(compared)),
     ]
     return Told(
         sentence(f"{compared.words} leaves {compared.left}"),
@@ -63,21 +61,3 @@ def floor_text(compared: Compared) -> str:
         share = 100.0 * noise.uncertainty / noise.std if noise.std > 0 else float("nan")
         parts.append(f"{noise_words(name, noise.std, found.unit)} ± {share:.0f} % ({noise.source})")
     return typeset(f"used by the fit: {'; '.join(parts)}")
-
-
-def harmonics_text(compared: Compared) -> str:
-    """List the harmonics of the residual force that stand out of the noise."""
-    found = compared.comparison
-    units, orders = DiscrepancyText(found.unit, found.mass), found.harmonics
-    parts = []
-    for i, order in enumerate(orders.order):
-        if orders.significance[i] > 4.0:
-            amount = scaled(float(orders.amplitude[i]) * units.force_scale, units.force_unit)
-            phase = round(float(np.degrees(orders.phase[i])))
-            sure = f"({orders.significance[i]:.0f} sigma)"
-            parts.append(
-                f"constant: {amount} {sure}"
-                if order == 0
-                else f"{order:.0f} times the frequency: {amount} at {phase}° {sure}"
-            )
-    return typeset("; ".join(parts)) or "none of the residual force stands out of the noise"

@@ -67,7 +67,7 @@ def phase_plane(found: Comparison, look: Look = LIGHT) -> Picture:
         cmap=colours, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
-        if abs(plane.significance[row, column]) > SURE:
+        if abs((plane.force / plane.std)[row, column]) > SURE:
             strong = abs(force[row, column]) > 0.7 * reach
             wide.text(
                 plane.displacement[column] * factor, plane.velocity[row],
@@ -80,14 +80,14 @@ def phase_plane(found: Comparison, look: Look = LIGHT) -> Picture:
     bar = drawn.colorbar(mesh, ax=wide, pad=0.02)
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
-    down, up = plane.sections_at_reversal
-    for axis, cut, size, form, colour, label in (
-        (at_reversal, up, factor, "^-", look.second, "moving to the positive side"),
-        (at_reversal, down, factor, "v--", look.model, "moving to the negative side"),
-        (at_middle, plane.section_at_middle, 1.0, "o-", look.second, ""),
+    row, column = (count // 2 for count in plane.force.shape)
+    for axis, position, cut, form, colour, label in (
+        (at_reversal, plane.displacement * factor, row, "^-", look.second, "moving to the positive side"),
+        (at_reversal, plane.displacement * factor, row - 1, "v--", look.model, "moving to the negative side"),
+        (at_middle, plane.velocity, (slice(None), column), "o-", look.second, ""),
     ):
-        force, std = cut.force * units.force_scale, cut.std * units.force_scale
-        points(axis, cut.position * size, force, std, form, colour, label)
+        std = plane.std[cut] * units.force_scale
+        points(axis, position, plane.force[cut] * units.force_scale, std, form, colour, label)
         zero_lines(axis, look)
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     drawn.legend(*at_reversal.get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -12,7 +12,7 @@ from identify.wavelet.wavelet import WaveletResult
 from station.story.engineering_values import Weighing
 from station.story.pipeline import Identification
 from station.text.numbers import scale, scale_as_recorded
-from station.views.figure import Axes, Picture, figure, literal, points, zero_lines
+from station.views.figure import Axes, Picture, figure, literal, zero_lines
 from station.views.palette import LIGHT, Look
 
 SINCE = "time since the release [s]"
@@ -78,10 +78,11 @@ def frequency_reach(found: WaveletResult) -> tuple[float, float]:
 def _backbone(axis: Axes, found: WaveletResult, length: str, look: Look) -> None:
     """Draw amplitude over frequency on the ridge, and of the fit."""
     (factor, name), (middle, half) = scale("displacement", length), frequency_reach(found)
-    every = max(1, len(found.backbone_frequency) // MOST_DOTS)
-    amplitude = found.backbone_amplitude[::every] * factor
-    axis.plot(found.backbone_frequency[::every], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
-    axis.plot(found.backbone_fit[::every], amplitude, color=look.model, lw=1.4, label="averaged model")
+    shown = np.flatnonzero(found.trusted)
+    shown = shown[:: max(1, len(shown) // MOST_DOTS)]
+    amplitude = found.envelope[shown] * factor
+    axis.plot(found.frequency[shown], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
+    axis.plot(found.frequency_fit[shown], amplitude, color=look.model, lw=1.4, label="averaged model")
     limits = (middle - half, middle + half)
     axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"))
     axis.set_ylim(0, 1.25 * float(np.max(amplitude, initial=1e-12)))  # with room for the legend
@@ -150,7 +151,7 @@ def _significance(axis: Axes, percent: Mapping[str, float], look: Look) -> None:
 
 
 def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT) -> Picture:
-    """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
+    """Draw the cuts through the surface where velocity or displacement is zero."""
     length, (size, unit) = weighing.unit, weighing.force_scale
     factor, name = scale("displacement", length)
     drawn, axes = figure(look, 2.3, 1, 2)
@@ -159,8 +160,8 @@ def sections(found: RestoringForceResult, weighing: Weighing, look: Look = LIGHT
         found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping",
     )  # fmt: skip
     for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
-        x = cut.position * factor
-        points(axis, x, cut.force * size, cut.std * size, "o", look.measured, "measured, 2 std. errors")
+        x, every = cut.position * factor, max(1, len(cut.position) // MOST_DOTS)
+        axis.plot(x[::every], cut.force[::every] * size, "o", color=look.measured, ms=2.5, label="measured")
         axis.plot(x, cut.fit * size, color=look.model, lw=1.4, label="fit")
         zero_lines(axis, look)
         axis.set(xlabel=literal(label), title=title)

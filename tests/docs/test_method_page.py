@@ -22,7 +22,7 @@ def value(module, name):
 @pytest.mark.parametrize(
     ("module", "name", "said"),
     [
-        ("preprocessing.usable", "HAND_S", lambda x: f"begin {1e3 * x:g} ms later"),
+        ("preprocessing.release", "HAND_S", lambda x: f"begin {1e3 * x:g} ms later"),
         ("preprocessing.noise", "SHORTEST_REST", lambda x: f"at least {x} samples at rest"),
         ("signal.order_selection", "CLEAR", lambda x: f"stands {WORDS[x]} standard errors from zero"),
         ("signal.weak_form", "WINDOW_CYCLES", lambda x: f"{WORDS[x]} cycles long"),

@@ -10,8 +10,8 @@ from identify.clock_error import clock_limits, seconds_in, with_clock
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.prepared_decay import prepare
+from identify.preprocessing.sampling import average_blocks
 from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
 

@@ -92,7 +92,7 @@ def test_acceleration_gives_the_curve_of_the_displacement():
 def test_a_record_of_two_cycles_has_no_curve():
     window = window_of(decaying())
     with pytest.raises(NotIdentifiable):
-        IsolatedMode.of(window.until(int(2 * RATE / 1.3)))
+        IsolatedMode.of(window.part(slice(int(2 * RATE / 1.3))))
 
 
 def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():

@@ -6,6 +6,8 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.motion import Motion, reconstruct
+from identify.restoring_force.restoring_force import identify_restoring_force
+from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 
 RATE = 256.0
@@ -151,5 +153,14 @@ def test_plain_least_squares_on_the_motion_gives_the_parameters() -> None:
 
 
 def test_too_few_samples_are_refused_in_words() -> None:
-    with pytest.raises(NotIdentifiable, match="samples follow the release"):
+    with pytest.raises(NotIdentifiable, match="readings follow the release"):
         reconstruct(FreeDecay(RATE, displacement=np.zeros(40), release=30))
+
+
+def test_a_record_without_a_reading_is_refused_in_words():
+    time = np.arange(512) / 256.0
+    u = 0.02 * np.cos(25.0 * time)
+    lost = FreeDecay(256.0, u, -625.0 * u, release=0, valid=np.zeros(512, dtype=bool))
+    for identified in (reconstruct, identify_wavelet, identify_restoring_force):
+        with pytest.raises(NotIdentifiable, match="Only 0 readings follow the release"):
+            identified(lost)

@@ -6,8 +6,7 @@ from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.wavelet.exact_decay import simulate_decay
-from identify.wavelet.ridge_fit import observe
+from identify.wavelet.ridge_fit import observe, simulate_decay
 from identify.wavelet.wavelet import identify_wavelet
 
 
@@ -46,7 +45,7 @@ def test_a_softening_spring_within_its_well_is_no_runaway():
 @pytest.mark.filterwarnings("error")
 def test_orders_with_which_a_pendulum_would_run_away_are_given_up():
     # at 2 rad a polynomial of fifth order may tip over where the sine does not; the first order is always sound
-    found = identify_wavelet(pendulum(2.0, 0.02))
+    found = identify_wavelet(pendulum(2.0, 0.05))
     assert all(np.isfinite(value.value) for value in found.stiffness_by_order.values())
     assert "would diverge" in found.stiffness_reason
 

@@ -1,11 +1,10 @@
-"""Running windows, splines and quick lengths against scipy's, which are too slow to load at every start."""
+"""Running windows and splines against scipy's, which are too slow to load at every start."""
 
 import numpy as np
 import pytest
-from scipy import fft, ndimage
+from scipy import ndimage
 from scipy.interpolate import BSpline
 
-from identify.signal.morlet import fast_length
 from identify.signal.running import running_maximum, running_median, running_minimum
 from identify.signal.splines import basis, clamped_knots, spline_and_derivatives
 
@@ -38,8 +37,3 @@ def test_splines_and_their_derivatives_are_scipy_s(spans: int) -> None:
     for order, found in enumerate(spline_and_derivatives(points, knots, weights, 2)):
         # the third derivative jumps at knots, on which points may fall: the second is rounded by some ten times 1e-16 of it
         np.testing.assert_allclose(found, spline.derivative(order)(points), atol=1e-11)
-
-
-@pytest.mark.parametrize("least", [1, 7, 97, 1023, 4099, 65537])
-def test_quick_lengths_are_scipy_s(least: int) -> None:
-    assert fast_length(least) == fft.next_fast_len(least)

@@ -51,7 +51,6 @@ def wavelet() -> WaveletResult:
     k = envelope(time - RELEASE / RATE)
     frequency = np.linspace(2.0, 6.0, 64)
     modulus = np.exp(-0.5 * ((frequency[:, None] - OMEGA / 2 / np.pi) / 0.25) ** 2) * k[None, ::8]
-    order = np.argsort(k)
     return WaveletResult(
         stiffness_by_order={1: Estimate(13115.2, 2.1, "N/m"), 3: Estimate(1000.0, 9000.0, "N/m^3")},
         damping=(Estimate(0.1302, 0.0007, "m/s^2"), Estimate(0.2765, 0.0021, "1/s")),
@@ -63,14 +62,12 @@ def wavelet() -> WaveletResult:
         envelope=k * (1 + 0.001 * np.sin(20 * time)),
         envelope_fit=k,
         frequency=np.full(len(time), OMEGA / 2 / np.pi) + 0.002 * np.sin(9 * time),
+        frequency_fit=np.full(len(time), OMEGA / 2 / np.pi),
         trusted=(time > 0.9) & (time < 7.0),
         reconstruction=k * np.cos(OMEGA * (time - RELEASE / RATE)),
         scalogram=modulus,
         scalogram_frequency=frequency,
         scalogram_time=time[::8],
-        backbone_amplitude=k[order][::20],
-        backbone_frequency=np.full(len(k[::20]), OMEGA / 2 / np.pi),
-        backbone_fit=np.full(len(k[::20]), OMEGA / 2 / np.pi),
         stiffness_per_mass=Estimate(float(OMEGA**2), 0.01, "1/s^2"),
         stiffness_reason="the frequency does not change with the amplitude",
     )
@@ -93,7 +90,6 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         return Section(
             position=position,
             force=values + 0.01 * np.cos(50 * position),
-            std=np.full(len(position), 0.02),
             fit=values,
         )
 

@@ -106,9 +106,9 @@ def test_the_envelope_the_fit_and_the_frequency_are_those_that_were_found(file, 
     left, *_ = figures.orders(result).axes
     assert np.array_equal(left.lines[0].get_ydata(), found.mse_percent_by_order)
     (ridge, fit) = figures.backbone(found, "m", VIEWERS[True]).axes[0].lines
-    every = len(found.backbone_amplitude) // figures.MOST_DOTS or 1
-    assert np.array_equal(ridge.get_ydata(), 1e3 * found.backbone_amplitude[::every])
-    assert np.array_equal(fit.get_xdata(), found.backbone_fit[::every])
+    every = found.trusted.sum() // figures.MOST_DOTS or 1
+    assert np.array_equal(ridge.get_ydata(), 1e3 * found.envelope[found.trusted][::every])
+    assert np.array_equal(fit.get_xdata(), found.frequency_fit[found.trusted][::every])
     ridge = figures.scalogram(found, VIEWERS[True]).axes[0].lines[1]
     assert np.array_equal(ridge.get_ydata()[found.trusted], found.frequency[found.trusted])
 
@@ -130,7 +130,8 @@ def test_the_surface_the_sections_and_the_significance_are_those_that_were_found
     assert covered == pytest.approx(ConvexHull(corners.reshape(-1, 2)).volume, rel=1e-6)
     cuts = figures.sections(found, UNKNOWN).axes
     for axis, cut in zip(cuts, (found.section_zero_velocity, found.section_zero_displacement), strict=True):
-        assert np.array_equal(axis.lines[0].get_ydata(), cut.force)
+        every = len(cut.force) // figures.MOST_DOTS or 1
+        assert np.array_equal(axis.lines[0].get_ydata(), cut.force[::every])
         assert any(np.array_equal(line.get_ydata(), cut.fit) for line in axis.lines)
     *_, orders, bars = figures.orders(result).axes
     assert np.array_equal(orders.lines[0].get_ydata(), found.mse_percent_by_order)

@@ -1,18 +1,32 @@
-"""A user's own effect: a formula on the command line, or formulas in a Python file."""
+"""A user's own effect: a formula on the command line, or formulas in a Python file.
+
+Behind a formula's semicolons stand unit, bounds and starting values of its parameters:
+
+```text
+setting = parameter [":" unit] [bounds] ["start" value {"," value}]
+bounds  = "=" low ".." high  or  [">=" low] ["<=" high]
+```
+"""
 
 import ast
+import re
+from dataclasses import dataclass
+from math import inf, isfinite
 
 from identify.effects.compiled import STATES
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
-from identify.effects.user.build import finished
-from identify.effects.user.draft import NAME, VARIABLES, from_formulas
+from identify.effects.user.build import NAME, VARIABLES, finished, from_formulas
 from identify.effects.user.formula import CONSTANTS, FUNCTIONS, parse_formula
+from identify.effects.user.initial_values import problem_of
 from identify.effects.user.measured_curve import curve_effect, read_curve
-from identify.effects.user.settings import OwnSetting, read_setting
 
 _LONGEST_LINE = 1000
+_PARAMETER = r"[A-Za-z](?a:\w*)"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
+_UNIT = r"[^=<>;:,]*?(?=\s*(?:>=|<=|=|\bstart\b|$))"
+_LIKE = "such as 'b: m >= 0 start 0.002, 0.01' or 'b: m = 0..0.05'"
 
 
 def parse_effect(text: str) -> ForceEffect:
@@ -20,7 +34,7 @@ def parse_effect(text: str) -> ForceEffect:
 
     Left of the sign stands the name, right of it the force per unit mass in t (s since the release), u, v and parameters
     of your own; what multiplies `sgn(v)` is dry friction. After semicolons a parameter may have a unit, bounds and
-    starting values (see `own_settings`). `spline(u, -0.02, 0.02, 4)` is a measured
+    starting values, as the head of this module says. `spline(u, -0.02, 0.02, 4)` is a measured
     curve (`measured_curve`). Raises ValueError, in a sentence with the place, when it cannot be read.
     """
     if len(text) > _LONGEST_LINE:
@@ -36,11 +50,11 @@ def parse_effect(text: str) -> ForceEffect:
     curve = read_curve(formula)
     if curve is not None and not rest:
         return curve_effect(name, curve)
-    settings: list[OwnSetting] = []
+    settings: list[_Setting] = []
     before = len(first) + 1
     for part in rest:
         if part.strip():
-            settings.append(read_setting(part.rstrip(), before=before))
+            settings.append(_read_setting(part.rstrip(), before=before))
         before += len(part) + 1
     draft = from_formulas(name, parse_formula(formula, before=len(left) + 1), (), formula.strip())
     for i, setting in enumerate(settings):
@@ -99,3 +113,78 @@ def _parsed(name: str, what: str, text: object) -> ast.expr:
         return parse_formula(text)
     except ValueError as error:
         raise ValueError(f"{name}: {what}, {error}") from error
+
+
+@dataclass(frozen=True)
+class _Setting:
+    """A parameter as the user describes it, and where a fit may begin; `at` is its place in the text, from 1."""
+
+    parameter: Parameter
+    starts: tuple[float, ...]
+    at: int
+
+
+class _Reader:
+    """Reads one setting from left to right; `before` characters of what the user typed stand before it."""
+
+    def __init__(self, text: str, before: int) -> None:
+        self.text, self.before, self.at = text, before, len(text) - len(text.lstrip())
+
+    @property
+    def place(self) -> int:
+        return self.before + self.at + 1
+
+    def take(self, pattern: str) -> str | None:
+        found = re.compile(rf"({pattern})\s*").match(self.text, self.at)
+        self.at = found.end() if found else self.at
+        return found[1] if found else None
+
+    def read(self, pattern: str, what: str) -> str:
+        found = self.take(pattern)
+        if found is None:
+            raise ValueError(f"character {self.place}: {what} is expected here, {_LIKE}")
+        return found
+
+    def number(self) -> float:
+        place, value = self.place, float(self.read(_NUMBER, "a number"))
+        if not isfinite(value):
+            raise ValueError(f"character {place}: this number is too large")
+        return value
+
+
+def _read_setting(text: str, *, before: int) -> _Setting:
+    """Read a setting; ValueError, in a sentence with the place, when it cannot be read."""
+    reader = _Reader(text, before)
+    at = {"name": reader.place}
+    name = reader.read(_PARAMETER, "a parameter")
+    has_unit = reader.take(":")
+    at["unit"] = reader.place
+    unit = reader.read(_UNIT, "a unit").strip() if has_unit else ""
+    if has_unit and not unit:
+        raise ValueError(f"character {at['unit']}: a unit is expected here, {_LIKE}")
+    at["bounds"] = reader.place
+    parameter = Parameter(name, unit, "", *_bounds(reader))
+    starts: tuple[float, ...] = ()
+    if reader.take("start"):
+        at["start"] = reader.place
+        starts = (reader.number(),)
+        while reader.take(","):
+            starts = (*starts, reader.number())
+    problem = problem_of(parameter, starts)
+    if problem is not None:
+        raise ValueError(f"character {at[problem[0]]}: {problem[1]}")
+    if reader.at < len(text):
+        raise ValueError(
+            f"character {reader.place}: '{text[reader.at :][:20].strip()}' is not understood, {_LIKE}"
+        )
+    return _Setting(parameter, starts, at["name"])
+
+
+def _bounds(reader: _Reader) -> tuple[float, float]:
+    if reader.take("="):
+        low = reader.number()
+        reader.read(r"\.\.", "'..' with the upper bound")
+        return low, reader.number()
+    low = reader.number() if reader.take(">=") else -inf
+    high = reader.number() if reader.take("<=") else inf
+    return low, high

@@ -6,6 +6,7 @@ from math import inf, isfinite, pi, prod
 
 import numpy as np
 
+from identify.clock_error import power_in
 from identify.effects.effect import Parameter, Scales
 
 _MOST = 48
@@ -28,23 +29,15 @@ def dimensions_of(unit: str) -> tuple[int, int, str]:
 
     Lengths are "m" whatever the displacement is measured in. ValueError when the unit is made of anything else.
     """
-    above, *below = unit.replace("(", " ").replace(")", " ").replace("*", " ").split("/")
-    length = time = 0
-    kinds = set()
-    for sign, part in [(1, above), *((-1, b) for b in below)]:
-        for factor in part.split():
-            found = _FACTOR.fullmatch(factor)
-            if found is None:
-                raise ValueError(
-                    f"the unit '{unit}' is not made of m, s, rad, Hz and 1 (forces are per unit mass)"
-                )
-            power = sign * int(found[2] or 1)
-            length += power if found[1] == "m" else 0
-            time += power if found[1] == "s" else -power if found[1] == "Hz" else 0
-            kinds.add(found[1])
-    if not above.split():
+    factors = re.split(r"[ ()*/]+", unit.strip(" ()"))
+    if not unit.partition("/")[0].strip():
         raise ValueError(f"the unit '{unit}' has nothing above the stroke; write 1{unit}")
-    return length, time, "rad" if "rad" in kinds else "Hz" if "Hz" in kinds else ""
+    found = [_FACTOR.fullmatch(factor) for factor in factors]
+    if None in found:
+        raise ValueError(f"the unit '{unit}' is not made of m, s, rad, Hz and 1 (forces are per unit mass)")
+    kinds = {one[1] for one in found if one is not None}
+    kind = "rad" if "rad" in kinds else "Hz" if "Hz" in kinds else ""
+    return power_in(unit, {"m": 1}), power_in(unit, {"s": 1, "Hz": -1}), kind
 
 
 def problem_of(parameter: Parameter, starts: tuple[float, ...]) -> tuple[str, str] | None:
