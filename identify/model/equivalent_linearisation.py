@@ -13,7 +13,7 @@ import numpy as np
 from identify.arrays import Array, frozen
 from identify.effects.compiled import STATES
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect
+from identify.effects.force_effect import ForceEffect, LinearPart
 
 _POINTS = 512
 _ANGLE = frozen(2.0 * np.pi * (np.arange(_POINTS + 1) + 0.5) / _POINTS)
@@ -52,6 +52,8 @@ def average(
     if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
     p = effect.table(parameters, parameters)
+    if effect.linear_part is not None:
+        return _linear(effect.linear_part, p[0], frequency, amplitudes)
     damping, stiffening = np.zeros(len(amplitudes)), np.zeros(len(amplitudes))
     settled = True
     for i, amplitude in enumerate(amplitudes):
@@ -62,6 +64,18 @@ def average(
         if second_order and effect.force is not None and effect.rates is None:
             stiffening[i] += _second_order(effect, p, frequency, float(amplitude), time)
     return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), settled)
+
+
+def _linear(part: LinearPart, strength: float, frequency: float, amplitudes: Array) -> Signature:
+    """The forces that the simulator has built in, in closed form."""
+    none, all_ = np.zeros(len(amplitudes)), np.full(len(amplitudes), strength)
+    if part is LinearPart.STIFFNESS:
+        return Signature(frozen(amplitudes), frozen(none), frozen(all_), True)
+    if part is LinearPart.DAMPING:
+        return Signature(frozen(amplitudes), frozen(all_), frozen(none), True)
+    return Signature(
+        frozen(amplitudes), frozen(4.0 * strength / (np.pi * frequency * amplitudes)), frozen(none), True
+    )
 
 
 def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array]:

@@ -44,7 +44,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
-    return lost | lone_spikes(readings, sigma)
+    return lost | _spikes(readings, sigma)
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
@@ -66,7 +66,7 @@ def _amplified(length: int) -> float:
     return float(spread[0] / spread[1])
 
 
-def lone_spikes(readings: Array, sigma: float) -> Mask:
+def _spikes(readings: Array, sigma: float) -> Mask:
     """Return single readings that the cubic through their four neighbours misses by far.
 
     The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.
