@@ -73,9 +73,12 @@ class Place:
     walk: Array
     knots: "_Knots"
 
-    @cached_property
+    @property
     def columns(self) -> Array:
-        """The change of the misfit by each step of the walks of stiffness and damping, (readings, 2 steps)."""
+        """The change of the misfit by each step of the walks of stiffness and damping, (readings, 2 steps).
+
+        Simulated each time: of a long record they fill a tenth of a gigabyte.
+        """
         return np.column_stack([_responses(self, kind) for kind in range(2)])
 
 
@@ -86,9 +89,9 @@ class RandomWalk:
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
     angular frequency of the motion. `left` is the chi-square that the likeliest walk leaves, of its `steps` (2, steps), and
-    `without` that without any walk. `follows` is what its steps of one standard deviation change of the misfit, less what
-    the fit's own unknowns follow, (readings, steps), and `misfit` the misfit without any walk, (readings,), both linear
-    about `place`. `settled` says that a simulation with the walk leaves as much as these predict.
+    `without` that without any walk. `misfit` is what the fit's own unknowns cannot follow of the misfit without any walk,
+    and `ahead` the misfit that is predicted with this one, (readings,) each, linear about `place`. `settled` says that a
+    simulation with the walk leaves as much as these predict.
     """
 
     evidence: float
@@ -97,8 +100,8 @@ class RandomWalk:
     left: float
     without: float
     steps: Array = field(repr=False)
-    follows: Array = field(repr=False)
     misfit: Array = field(repr=False)
+    ahead: Array = field(repr=False)
     place: Place = field(repr=False)
     settled: bool = True
 
@@ -107,13 +110,21 @@ class RandomWalk:
         """The reduced chi-square that the likeliest walk leaves."""
         return self.left / max(self.place.found.degrees, 1)
 
+    @property
+    def follows(self) -> Array:
+        """What steps of one standard deviation change, less what the fit's own unknowns follow of it, (readings, steps)."""
+        if not (self.stiffness or self.damping):
+            return np.zeros((len(self.misfit), 0))
+        sizes = np.repeat([self.stiffness, self.damping], self.place.knots.steps)
+        return np.asarray(self.place.jacobian.free(self.place.columns) * sizes)
+
     @cached_property
     def simulated(self) -> "RandomWalk":
         """The walk with which the motion is simulated, and linearised again there until that leaves what was predicted.
 
         Gauss-Newton, a few rounds at most.
         """
-        if not self.follows.shape[1]:
+        if not (self.stiffness or self.damping):
             return self
         best, left = self, self.without
         for _ in range(_ROUNDS):
@@ -152,7 +163,8 @@ def _in_units(walk: RandomWalk) -> Array:
 def _likeliest(place: Place, without: float) -> RandomWalk:
     """Weigh walks of every strength about a place and return the likeliest; `without` is chi-square without any walk."""
     is_spring = np.repeat([True, False], place.knots.steps)
-    free = place.jacobian.free(np.column_stack([place.residual, place.columns]))
+    columns = place.columns
+    free = place.jacobian.free(np.column_stack([place.residual, columns]))
     walk = free[:, 1:]
     misfit = free[:, 0] - walk @ place.walk.ravel()
     along, products = walk.T @ misfit, walk.T @ walk
@@ -170,10 +182,8 @@ def _likeliest(place: Place, without: float) -> RandomWalk:
     walks = likelihood.ravel()[1:]
     mean = np.logaddexp.reduce(walks) - np.log(len(walks))
     sizes = np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j])
-    follows = walk * sizes if i or j else walk[:, :0]
-    steps = np.zeros(len(sizes))
-    if i or j:
-        steps = -sizes * np.linalg.solve(np.eye(len(sizes)) + follows.T @ follows, follows.T @ misfit)
+    own = np.eye(len(sizes)) + products * np.outer(sizes, sizes)
+    steps = -sizes * np.linalg.solve(own, along * sizes)
     return RandomWalk(
         evidence=float(np.logaddexp(0.0, mean) - np.log(2.0)),
         stiffness=float(_STRENGTHS[i]),
@@ -181,8 +191,8 @@ def _likeliest(place: Place, without: float) -> RandomWalk:
         left=unwalked - float(explained[i, j]),
         without=without,
         steps=steps.reshape(2, -1),
-        follows=follows,
         misfit=misfit,
+        ahead=place.residual + columns @ (steps - place.walk.ravel()),
         place=place,
     )
 
@@ -190,8 +200,7 @@ def _likeliest(place: Place, without: float) -> RandomWalk:
 def _moved(walk: RandomWalk) -> Place | None:
     """Simulate a fit with a walk, its own unknowns following as predicted, and linearise there; None where that diverges."""
     place, found, steps = walk.place, walk.place.found, walk.steps
-    ahead = place.residual + place.columns @ (steps - place.walk).ravel()
-    normal, gradient = place.jacobian.normal(), place.jacobian.gradient(ahead)
+    normal, gradient = place.jacobian.normal(), place.jacobian.gradient(walk.ahead)
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     change = np.linalg.lstsq(normal / np.outer(own, own), -gradient / own, rcond=_SINGULAR)[0] / own
     problem = found.problem
