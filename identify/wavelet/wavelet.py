@@ -111,7 +111,9 @@ def _observed(decay: FreeDecay) -> tuple[int, Observed]:
             "a force drives the motion to the end of the record; the wavelet method needs a free decay"
         )
     channel, samples = next(iter(decay.channels.items()))
-    noise, motion = noise_levels(decay)[channel], reconstruct(decay)
+    others = {name: values[decay.known] for name, values in decay.channels.items() if name != channel}
+    dead = {name: None for name, values in others.items() if not np.ptp(values) > 0.0}
+    noise, motion = noise_levels(decay)[channel], reconstruct(decay.with_(**dead))
     first, stop, w = usable(decay.with_(force=None), motion, {channel: noise}, _FEWEST_CYCLES)
     part = slice(motion.start + first, motion.start + stop)
     valid = decay.known
