@@ -112,7 +112,7 @@ def _observed(decay: FreeDecay) -> tuple[int, Observed]:
         )
     channel, samples = next(iter(decay.channels.items()))
     others = {name: values[decay.known] for name, values in decay.channels.items() if name != channel}
-    dead = {name: None for name, values in others.items() if not np.ptp(values) > 0.0}
+    dead = {name: None for name, values in others.items() if np.all(values == values[:1])}
     noise, motion = noise_levels(decay)[channel], reconstruct(decay.with_(**dead))
     first, stop, w = usable(decay.with_(force=None), motion, {channel: noise}, _FEWEST_CYCLES)
     part = slice(motion.start + first, motion.start + stop)
