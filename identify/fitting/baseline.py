@@ -156,13 +156,16 @@ class Baseline:
         """The random walk of spring and damper beside the fitted model."""
         return walk_beside(self.fit)
 
-    def stated(self, found: Fit) -> Fit:
+    def stated(self, found: Fit, *, drifts: bool = True) -> Fit:
         """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit.
 
-        They allow for a random walk of spring and damper that brings the fit to the floor, or remains beside it there.
+        They allow for a random walk of spring and damper that brings the fit to the floor, or remains beside it there; not
+        for `drifts` where many fits are listed, since each takes a tenth of a second.
         """
         adequate = self.adequate(found)
         stated = found if adequate else with_misfit_errors(found)
+        if not drifts:
+            return stated
         walk = self.walk
         if found is not self.fit and walk.evidence > RIVALS_WITHIN:  # else there is none beside one law more
             walk = walk_beside(found)

@@ -42,7 +42,7 @@ class Suspect:
     @cached_property
     def stated(self) -> Fit:
         """The fit with the standard errors to state; computed when first asked for, because that is slow."""
-        return self.baseline.stated(self.fit)
+        return self.baseline.stated(self.fit, drifts=False)
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:
