@@ -159,8 +159,8 @@ class Baseline:
     def stated(self, found: Fit, *, drifts: bool = True) -> Fit:
         """Give a fit the standard errors to state: its own where it is adequate, else those of the misfit.
 
-        They allow for a random walk of spring and damper that brings the fit to the floor, or remains beside it there; not
-        for `drifts` where many fits are listed, since each takes a tenth of a second.
+        They allow for a random walk of spring and damper that brings the fit to the floor, or remains beside it there.
+        Without `drifts` they do not, for where many fits are listed: a walk takes a tenth of a second each.
         """
         adequate = self.adequate(found)
         stated = found if adequate else with_misfit_errors(found)

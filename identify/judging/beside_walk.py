@@ -5,11 +5,9 @@ that the library does not hold, to within the noise, with thousands of nats. A l
 and it must leave nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
 shows in the residual of the law.
 
-A smooth law without a name: how much of a misfit some law that the library does not hold explains, by its evidence.
-
-A law may be any smooth function of displacement, of velocity or of time, as spring, damper or friction: a series of Legendre
-polynomials whose coefficients are normal, those of higher orders smaller (a Gaussian process; Rasmussen and Williams, 2006).
-The misfit is taken for linear in it, as in a random walk, which is part of every hypothesis: what a walk explains is no law.
+A law without a name is any smooth function of displacement, of velocity or of time, as spring, damper or friction: a series
+of Legendre polynomials whose coefficients are normal, those of higher orders smaller (a Gaussian process; Rasmussen and
+Williams, 2006). The misfit is taken for linear in it. A random walk is part of every hypothesis: what it explains is no law.
 """
 
 from collections.abc import Callable, Iterator

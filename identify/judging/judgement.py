@@ -78,7 +78,7 @@ def _judged(
 
     | who reaches the floor | sure floor | guessed floor |
     |---|---|---|
-    | the model, and nothing is claimed | nothing is missing | the same |
+    | the model, and nothing that makes sense is claimed | nothing is missing | the same |
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
     | several effects together | the same; else as none | not asked: two follow any guess |

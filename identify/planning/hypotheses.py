@@ -106,9 +106,8 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    one_name = (
-        len(named) == 1 and baseline.floor_is_sure
-    )  # any law of a free exponent follows a guessed floor
+    # Any law of a free exponent follows a guessed floor.
+    one_name = len(named) == 1 and baseline.floor_is_sure
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if one_name else ()
     laws = laws_of_free_exponent(baseline, [suspect.effect.name for suspect in near])
     between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]

@@ -5,7 +5,8 @@ With u the lower channel (displacement, or velocity) and a the higher one (accel
 where H is a difference of order 2 (or 1) read at a fractional lag, N a short symmetric average that
 makes the difference exact for smooth motion (Numerov's formula and its next order), g a gain and d a slow
 offset. Only differences enter, so the unknown state at either end of the record is left free. The
-covariance of the noise, S_a N N' + g^2 S_u H H', is banded: the likelihood costs O(n).
+covariance of the noise, S_a N N' + g^2 S_u H H', is banded: the likelihood costs O(n). Where dry friction makes a
+jump, at a reversal, N a is off by what `reversal_excess` tells.
 """
 
 from dataclasses import dataclass, replace

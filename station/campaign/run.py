@@ -156,9 +156,7 @@ def _answers(works: Iterator[Work], workers: int, act: Act) -> Generator[Answer,
                         answer = future.result()
                     except Ended:
                         answer, worker = KILLED, Worker(Settings())
-                    except (
-                        Failed
-                    ) as failure:  # a fault of the program on one session does not end the campaign
+                    except Failed as failure:  # a fault of the program: the campaign goes on
                         answer = str(failure)
                     idle.append(worker)
                     yield work, answer

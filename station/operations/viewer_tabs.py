@@ -38,9 +38,10 @@ def show_refined(refinement: Refinement, settings: Settings, port: int | None = 
     """Show a session anew after a step, in the viewer that is open at a port (default: Rerun's own); none is opened."""
     from station.views import viewer
 
-    if viewer.answers(port or viewer.PORT):
+    port = port or viewer.PORT
+    if viewer.answers(port):
         result, _ = identify_session(refinement.session, settings)
-        viewer.show(write_view(refinement.session, result, settings, refinement), port or viewer.PORT)
+        viewer.show(write_view(refinement.session, result, settings, refinement), port)
         progress("the viewer shows the ladder: one tab a step")
 
 

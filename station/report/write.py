@@ -1,4 +1,4 @@
-"""Write the report of a session, or of a guided test: a page that needs nothing outside itself."""
+"""The report of a session, a page that needs nothing outside itself; and a guided test on the screen, which writes one."""
 
 from datetime import UTC, datetime
 from importlib.resources import files

@@ -109,9 +109,8 @@ def _with_policy(send: Send, host: str) -> Send:
         if message["type"] == "http.response.start":
             policy = PAGE.format(socket=f"ws://{host}", nonce=nonce)
             headers = MutableHeaders(scope=message)
-            own = (
-                headers.setdefault("content-security-policy", policy) == policy
-            )  # a report has a stricter one
+            # A report has a stricter one.
+            own = headers.setdefault("content-security-policy", policy) == policy
             headers["x-content-type-options"] = "nosniff"
             headers["referrer-policy"] = "no-referrer"
             if own and headers.get("content-type", "").startswith("text/html"):
