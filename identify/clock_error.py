@@ -4,12 +4,12 @@ A clock whose rate is off by a share e stretches every time by it, so a value wh
 p is off by p e. All values of one record err together.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from math import hypot
-from re import findall
 
 from identify.estimate import Estimate
+from identify.units import power_in
 
 _SECONDS = {"s": 1, "Hz": -1, "N": -2, "J": -2, "W": -3}
 
@@ -17,18 +17,6 @@ _SECONDS = {"s": 1, "Hz": -1, "N": -2, "J": -2, "W": -3}
 def seconds_in(unit: str) -> int:
     """Return the power of the second in a unit such as "N/m" (-2), "1/s", "s/m^2", "1/(m^2 s)" or "N s/m" (-1)."""
     return power_in(unit, _SECONDS)
-
-
-def power_in(unit: str, powers: Mapping[str, int]) -> int:
-    """Return the power of a quantity in a unit, by its `powers` in the symbols: -2 for {"m": 1} in "1/(m^2 s^2)"."""
-    above, below = (
-        sum(
-            powers.get(name, 0) * int(power or 1)
-            for name, power in findall(r"([A-Za-z]+)(?:\^(-?\d+))?", part)
-        )
-        for part in unit.partition("/")[::2]
-    )
-    return above - below
 
 
 def with_clock(value: Estimate, rate: float, rate_std: float | None) -> Estimate:

@@ -9,6 +9,7 @@ from identify.estimate import Estimate
 from identify.formatting import damping_name, quantity
 from identify.free_decay import FreeDecay
 from identify.summary import Summarised
+from identify.units import unit_of
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -64,7 +65,7 @@ def dampings(decay: FreeDecay, found: Iterable[tuple[float, float]]) -> tuple[Es
 def stiffnesses(decay: FreeDecay, found: dict[int, tuple[float, float]]) -> dict[int, Estimate]:
     """Return stiffnesses per unit mass, by order, of their values and standard errors."""
     return {
-        order: estimate(decay, value, std, _unit({"s": -2, decay.unit: 1 - order}))
+        order: estimate(decay, value, std, unit_of({"s": -2, decay.unit: 1 - order}))
         for order, (value, std) in found.items()
     }
 
@@ -78,7 +79,7 @@ def with_mass(decay: FreeDecay, per_mass: dict[int, Estimate]) -> dict[int, Esti
         order: Estimate(
             k.value * mass,
             hypot(k.std * mass, k.value * mass_std),
-            _unit({"N m" if decay.unit == "rad" else "N": 1, decay.unit: -order}),
+            unit_of({"N m" if decay.unit == "rad" else "N": 1, decay.unit: -order}),
         )
         for order, k in per_mass.items()
     }
@@ -89,17 +90,4 @@ def damping_unit(order: int, unit: str) -> str:
 
     `unit` is that of the displacement ("m" or "rad").
     """
-    return _unit({"s": order - 2, unit: 1 - order})
-
-
-def _unit(powers: dict[str, int]) -> str:
-    """Write a unit by the powers of what it is made of, of which one is below the stroke."""
-    above, below = (
-        " ".join(
-            name if size == 1 else f"{name}^{size}"
-            for name, power in powers.items()
-            if (size := sign * power) > 0
-        )
-        for sign in (1, -1)
-    )
-    return f"{above or '1'}/({below})" if " " in below else f"{above or '1'}/{below}"
+    return unit_of({"s": order - 2, unit: 1 - order})

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from identify.clock_error import power_in
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
+from identify.units import power_in, unit_of
 
 _NAMES = {
     LinearPart.STIFFNESS: "stiffness K",
@@ -100,16 +100,7 @@ def _times_mass(unit: str, length: str) -> str:
     other = set(re.findall("[A-Za-z]+", unit)) - powers.keys() or length not in ("m", "rad")
     if other or (length == "m" and powers["s"] > 1):
         return f"{kg} {unit}".replace(" 1/", "/")
-    above, below = (
-        [
-            name if size == 1 else f"{name}^{size}"
-            for name, power in powers.items()
-            if (size := sign * power) > 0
-        ]
-        for sign in (1, -1)
-    )
-    under = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
-    return " ".join([force, *above]) + (f"/{under}" if under else "")
+    return unit_of({force: 1, **powers})
 
 
 UNKNOWN = Weighing()

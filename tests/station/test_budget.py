@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from identify.clock_error import power_in
 from identify.estimate import Estimate
+from identify.units import power_in
 from station.story.engineering_values import EngineeringValue, budget
 
 FRICTION = EngineeringValue("friction force", Estimate(2.0, 0.05, "N"), Estimate(0.1, 0.001, "m/s^2"))

@@ -6,8 +6,8 @@ from math import inf, isfinite, pi, prod
 
 import numpy as np
 
-from identify.clock_error import power_in
 from identify.effects.effect import Parameter, Scales
+from identify.units import power_in
 
 _MOST = 48
 _FACTOR = re.compile(r"(m|s|rad|Hz|1)(?:\^(-?\d))?")
