@@ -10,6 +10,9 @@ from identify.comparison.residual_force import estimate_extra_force
 
 _KNOWN = 8.0
 
+FEWEST = 12
+"""Samples or so in each bin that is visited."""
+
 
 @dataclass(frozen=True, eq=False)
 class PhasePlane:
@@ -41,7 +44,7 @@ class PhasePlane:
         return (self.velocity_edges[1:] + self.velocity_edges[:-1]) / 2.0
 
 
-def compare_phase_plane(shooting: MultipleShooting, fewest: int = 12) -> PhasePlane:
+def compare_phase_plane(shooting: MultipleShooting, fewest: int = FEWEST) -> PhasePlane:
     """Return the force that the tracked model lacks, as one constant in each bin of the phase plane.
 
     About `fewest` samples or more lie in each of the bins that are visited.

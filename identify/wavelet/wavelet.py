@@ -105,18 +105,17 @@ def identify_wavelet(
 
 
 def _observed(decay: FreeDecay) -> tuple[int, Observed]:
-    """Return the first usable sample of the lowest channel, and its ridge over what is usable."""
+    """Return the first usable sample of the lowest channel, and its ridge over what is usable; no dead one is asked."""
     if decay.driven:
         raise NotIdentifiable(
             "a force drives the motion to the end of the record; the wavelet method needs a free decay"
         )
-    channel, samples = next(iter(decay.channels.items()))
-    others = {name: values[decay.known] for name, values in decay.channels.items() if name != channel}
-    dead = {name: None for name, values in others.items() if np.all(values == values[:1])}
+    (channel, samples), *others = decay.channels.items()
+    valid = decay.known
+    dead = {name: None for name, values in others if len(np.unique(values[valid])) == 1}
     noise, motion = noise_levels(decay)[channel], reconstruct(decay.with_(**dead))
     first, stop, w = usable(decay.with_(force=None), motion, {channel: noise}, _FEWEST_CYCLES)
     part = slice(motion.start + first, motion.start + stop)
-    valid = decay.known
     whole, derivatives = bridge(samples, valid), CHANNELS.index(channel)
     return part.start, observe(whole[part], valid[part], decay.rate, derivatives, w, noise)
 

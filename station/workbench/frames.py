@@ -10,7 +10,7 @@ from identify.arrays import Array
 from identify.comparison.compare import without_faults
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import shoot
-from identify.comparison.phase_plane import compare_phase_plane
+from identify.comparison.phase_plane import FEWEST, compare_phase_plane
 from identify.fitting.fit import Fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.models import ModelFile
@@ -21,7 +21,7 @@ MOST_POINTS = 3000
 FINE = 20_000
 """Steps over the largest value, of which a screen shows one in ten."""
 
-FEWEST = 7
+FINER = 7
 """Samples in a cell of the map where two channels tell the forces of neighbouring cells apart."""
 
 
@@ -88,10 +88,11 @@ def frame_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
     by which it is judged, channel by channel in the units of the stage; `force` and `force_std`, the force that it lacks in
     each known cell of the phase plane and its standard error; `cells`, the edges of each: displacement, then velocity.
 
-    The map is that of `identify.comparison`, which the words beside it, the report and the tab Curves have too.
+    The map is that of `identify.comparison`, which the words beside it, the report and the tab Curves have too; of two
+    channels it is finer, and a sensor's fault in the model is taken off the readings wherever the fit stands.
     """
     seen = without_faults(prepared, fit) if fit.model.faults else (prepared, fit)
-    plane = compare_phase_plane(shoot(*seen), FEWEST if fit.windows[0].paired else 12)
+    plane = compare_phase_plane(shoot(*seen), FINER if fit.windows[0].paired else FEWEST)
     window, stride = fit.windows[0], _stride(fit)
     row, column = plane.bins.T
     u, v = plane.displacement_edges * scale("displacement", window.unit)[0], plane.velocity_edges
