@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from daq.port_names import fault_of
 from station.exits import UsageProblem
-from station.suggestions import LONGEST, read_named, refusal
+from station.suggestions import read_named, refusal, shortened
 
 DEFAULT_FILE = Path("station.toml")
 
@@ -70,7 +70,7 @@ def load_settings(file: str | Path | None) -> Settings:
     try:
         content = tomllib.loads(read_named(path, "the settings").decode())
     except ValueError as error:  # not TOML, not UTF-8, or a number of thousands of digits
-        raise UsageProblem(f"the settings {path} are not TOML: {str(error)[:LONGEST]}") from error
+        raise UsageProblem(f"the settings {path} are not TOML: {shortened(str(error))}") from error
     except RecursionError as error:
         raise UsageProblem(f"the settings {path} are not TOML: they are nested too deeply") from error
     try:

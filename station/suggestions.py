@@ -48,17 +48,17 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
     first = error.errors(include_url=False)[0]
     entry = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
-        return one_line(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
+        return shortened(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
     words = re.sub(r"^\w+ should", "must", str(first["msg"]))
     words = re.split(r", unable to | or instance of ", words)[0].replace("be a valid", "be a")
     words = words.replace("Field required", "is missing")
     given = first.get("input")
     if words.startswith("must be") and isinstance(given, int | float | str):
         words += f" (it is {given:g})" if isinstance(given, float) else f" (it is {given})"
-    return one_line(f"{entry} {words}".strip())
+    return shortened(f"{entry} {words}".strip())
 
 
-def one_line(text: str) -> str:
+def shortened(text: str) -> str:
     """Write a text in one line that fits a message, however much of a file it quotes."""
     line = " ".join(text.split())
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."

@@ -14,7 +14,7 @@ from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from station.exits import UsageProblem
 from station.story.pipeline import KnownModel
-from station.suggestions import one_line, read_named, refusal
+from station.suggestions import read_named, refusal, shortened
 
 
 class _Part(BaseModel):
@@ -104,7 +104,7 @@ def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBR
     try:
         by_name = {e.name: e for e in (*library, *map(parsed_effect, model.expressions))}
     except ValueError as error:
-        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
+        raise UsageProblem(f"{where}: {shortened(str(error))}") from error
     terms: list[Term] = []
     values: dict[str, float] = {}
     for entry in model.effects:
@@ -136,7 +136,9 @@ def _held(entry: EffectEntry, effect: Effect, where: str) -> dict[str, float | s
         if dict(variant) == entry.held:
             return dict(variant)
     choices = " or ".join(str(dict(variant)) for variant in effect.variants)
-    raise UsageProblem(f"{where}: {entry.effect}: `held` is {one_line(str(entry.held))}; it can be {choices}")
+    raise UsageProblem(
+        f"{where}: {entry.effect}: `held` is {shortened(str(entry.held))}; it can be {choices}"
+    )
 
 
 def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
@@ -144,7 +146,7 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
     unknown = set(entry.parameters) - set(free)
     if unknown:
         raise UsageProblem(
-            f"{where}: {entry.effect} has no parameter {one_line(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
+            f"{where}: {entry.effect} has no parameter {shortened(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
         )
     corrected = isinstance(term.effect, SensorFault) and term.effect.corrected_in_every_fit
     missing = set() if corrected else set(free) - set(entry.parameters)

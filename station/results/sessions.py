@@ -200,7 +200,7 @@ def _form(note: str) -> str:
 
 
 def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
-    stem = plain(file.stem)
+    stem = safe_name(file.stem)
     name, number = stem, 1
     while (sessions / name).exists() or any((sessions / f"{name}{added}").exists() for added in names):
         number += 1
@@ -212,12 +212,13 @@ def made_of(file: Path, sessions: Path) -> list[Path]:
     """Return the sessions that were made of this very file."""
     content = file.read_bytes()
     copies = (
-        (folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{plain(file.stem)}*"))
+        (folder, folder / "source" / file.name)
+        for folder in sorted(sessions.glob(f"{safe_name(file.stem)}*"))
     )
     return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
 
 
-def plain(name: str) -> str:
+def safe_name(name: str) -> str:
     """Write a name in letters, digits, dots and dashes, which leads out of no folder; "recording" where none is left."""
     return re.sub(r"[^\w.-]+", "_", name).strip("._")[:LONGEST] or "recording"
 

@@ -13,7 +13,7 @@ from daq.session import Session
 from daq.storage import Lock
 from station.exits import Problem, UsageProblem
 from station.operations.workers import Failed
-from station.results.sessions import plain
+from station.results.sessions import safe_name
 from station.workbench import tasks, widgets
 from station.workbench.session_list import address_of
 from station.workbench.session_state import AppState, SessionState
@@ -21,7 +21,7 @@ from station.workbench.session_state import AppState, SessionState
 
 def rename(folder: Path, wanted: str) -> Path:
     """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
-    name = plain(wanted) if wanted.strip() else ""
+    name = safe_name(wanted) if wanted.strip() else ""
     if not name:
         raise UsageProblem("a session needs a name of letters, digits, dots and dashes")
     place = folder.with_name(name)

@@ -14,7 +14,7 @@ from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.operations.workers import Failed, Task
-from station.results.sessions import plain
+from station.results.sessions import safe_name
 from station.workbench import widgets
 from station.workbench.import_tasks import Imported, ImportQuestion, import_files, open_example
 from station.workbench.parts import part
@@ -173,7 +173,7 @@ class SessionsPanel:
         self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its files
         files = []
         for one in given.files:
-            files.append(Path(self._folder.name) / plain(one.name))
+            files.append(Path(self._folder.name) / safe_name(one.name))
             await one.save(files[-1])
         await self._import(sorted(files))
 

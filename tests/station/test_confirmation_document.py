@@ -1,4 +1,4 @@
-"""What is confirmed, as data and in words: on how many other releases, by how many percent of the motion."""
+"""What is confirmed, as data and in words: what every part is predicted to, in percent of the motion."""
 
 import io
 import re

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.results.sessions import plain
+from station.results.sessions import safe_name
 
 
 def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(tmp_path):
@@ -26,4 +26,4 @@ def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(t
     ],
 )
 def test_a_file_name_leads_out_of_no_folder(given, kept):
-    assert plain(given) == kept
+    assert safe_name(given) == kept
