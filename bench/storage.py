@@ -3,6 +3,7 @@
 A relay between the double and `station capture` notes when it handed on which bytes: that log is the truth.
 """
 
+import contextlib
 import json
 import random
 import shutil
@@ -48,14 +49,12 @@ class Relay:
         self._board.sendall(b"\0" + encode(Stop(), 0))
         self._board.settimeout(0.3)
         end = time.monotonic() + 5
-        try:
+        with contextlib.suppress(TimeoutError):  # quiet at last
             while self._board.recv(4096):
                 if time.monotonic() > end:
                     raise RuntimeError(
                         "the board of this bench does not stop: its samples would be the next capture's"
                     )
-        except TimeoutError:
-            pass  # quiet at last
         self._board.settimeout(None)
 
     def _run(self) -> None:
