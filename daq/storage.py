@@ -79,7 +79,7 @@ def require_space(folder: Path, spare: int) -> None:
         )
 
 
-def open_regular(path: Path, flags: int, mode: int = 0o644) -> int:
+def open_regular(path: Path, flags: int) -> int:
     """Open a plain file and return its descriptor; no link is followed, no pipe waited for, no device kept open.
 
     Raises OSError as the system does, and StorageError where there is something else of that name.
@@ -87,7 +87,7 @@ def open_regular(path: Path, flags: int, mode: int = 0o644) -> int:
     if not hasattr(os, "O_NOFOLLOW") and path.is_symlink():
         raise StorageError(_no_plain_file(path))
     try:
-        fd = os.open(path, flags | _CAREFUL, mode)
+        fd = os.open(path, flags | _CAREFUL, 0o644)
     except OSError as error:
         if error.errno in (
             errno.ELOOP,

@@ -78,13 +78,13 @@ class OneLine(logging.Handler):
         self._say(f"{record.name}: {kind}{words[:LONGEST]}")
 
 
-def say_in_one_line(say: Callable[[str], None] = progress) -> None:
+def say_in_one_line() -> None:
     """From now on let this process say warnings and log entries so."""
 
     def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
         if issubclass(category, RuntimeWarning):  # of arithmetic: what comes of it is judged where it is used
             return
-        say(f"{category.__name__}: {' '.join(str(message).split())[:LONGEST]}")
+        progress(f"{category.__name__}: {' '.join(str(message).split())[:LONGEST]}")
 
     warnings.showwarning = show
-    logging.basicConfig(handlers=[OneLine(say)], level=logging.WARNING, force=True)
+    logging.basicConfig(handlers=[OneLine(progress)], level=logging.WARNING, force=True)

@@ -213,9 +213,9 @@ def _fit(
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
 
 
-def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
-    """Make the fit at some values, without a further step; `slope` is misfit and Jacobian, if known."""
-    residual, jacobian = slope or linearise(problem, theta)
+def fit_at(problem: Problem, theta: Array) -> Fit:
+    """Make the fit at some values, without a further step."""
+    residual, jacobian = linearise(problem, theta)
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 

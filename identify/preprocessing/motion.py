@@ -44,10 +44,9 @@ class Motion:
     noise_displacement: float | None = None
 
     def part(self, samples: slice) -> "Motion":
-        """Return some of the samples; with a step, the rate falls by it."""
+        """Return some of the samples, one after another."""
         return replace(
             self,
-            rate=self.rate / (samples.step or 1),
             displacement=self.displacement[samples],
             velocity=self.velocity[samples],
             acceleration=self.acceleration[samples],

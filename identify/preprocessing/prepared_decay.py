@@ -13,7 +13,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import FitWindow
-from identify.preprocessing.motion import Motion, reconstruct
+from identify.preprocessing.motion import SHORTEST, Motion, reconstruct
 from identify.preprocessing.noise import SHORTEST_REST, Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
@@ -124,7 +124,7 @@ def prepare(
     release = _most_active(record, aligned.release) if record.driven else aligned.release
     motion = reconstruct(corrected.with_(release=release.settle))
     motion = motion.part(slice(max(release.end - release.settle, 0)))
-    if len(motion.displacement) < 16:
+    if len(motion.displacement) < SHORTEST:
         raise refusal(record, "The motion after the release is too short; record at least four cycles.")
     force = _force(record, release, motion)
     restoring = -motion.acceleration if force is None else force - motion.acceleration

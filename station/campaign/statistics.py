@@ -76,12 +76,12 @@ def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:
     return np.asarray((np.abs(rest) <= allowed) | (allowed == 0.0))
 
 
-def sure_ones(p_values: list[float], level: float = 0.05) -> list[bool]:
-    """Find which of several hypotheses are rejected together at a level, by Holm's step-down (1979)."""
+def sure_ones(p_values: list[float]) -> list[bool]:
+    """Find which of several hypotheses are rejected together at the level of 5 %, by Holm's step-down (1979)."""
     order = np.argsort(p_values)
     sure = [False] * len(p_values)
     for rank, i in enumerate(order):
-        if p_values[i] > level / (len(p_values) - rank):
+        if p_values[i] > 0.05 / (len(p_values) - rank):
             break
         sure[i] = True
     return sure
