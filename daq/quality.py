@@ -208,7 +208,7 @@ def integrity(assembly: Assembly, remarks: list[str]) -> Iterator[Suspicion]:
 def lost_outside(assembly: Assembly) -> list[tuple[int, int]]:
     """List the samples that the checksum needs beside the recording, as (first, count), in order.
 
-    None when all samples but the dropped ones are here, or the board never said END.
+    Nothing when all samples but the dropped ones are here, or the board never said END.
     """
     samples, end, total = assembly.samples, assembly.end, assembly.total
     if end is None or end.total_dropped + samples.received >= total:

@@ -17,9 +17,8 @@ MOST_OVERRUNS = 20_000
 class SampleStore:
     """Samples by index, one behind the other: the first copy of a sample stays, whatever comes later.
 
-    All DATA have the same channels and number format. `expected` is the sample after the newest, `received` how
-    many samples are held, `duplicates` the frames that brought nothing new, `differing` where a later copy of
-    samples was not the same, as (first, count).
+    All DATA have the same channels and number format. `received` is how many samples are held, `duplicates` the frames
+    that brought nothing new, `differing` where a later copy of samples was not the same, as (first, count).
     """
 
     def __init__(self) -> None:
@@ -29,9 +28,7 @@ class SampleStore:
         self._bytes = bytearray()  # of each sample, zeros where it is missing
         self._held = bytearray()  # 1 for each sample that is held
         self._stamps: dict[int, int] = {}
-        self._arrivals: list[
-            tuple[int, int, float]
-        ] = []  # samples of a frame, the one after them, when they came
+        self._arrivals: list[tuple[int, int, float]] = []  # how many, the one after them, when they came
 
     @property
     def expected(self) -> int:
@@ -174,5 +171,5 @@ class Losses:
             reasons[max(rebooted_at - first, 0) :] = "reboot"
         reasons[valid] = None
         edges = np.flatnonzero(reasons[1:] != reasons[:-1]) + 1
-        runs = zip([0, *edges.tolist()], [*edges.tolist(), len(valid)], strict=True)
-        return tuple(Gap(first + a, b - a, reasons[a]) for a, b in runs if reasons[a] is not None)
+        parts = zip([0, *edges.tolist()], [*edges.tolist(), len(valid)], strict=True)
+        return tuple(Gap(first + a, b - a, reasons[a]) for a, b in parts if reasons[a] is not None)

@@ -11,7 +11,7 @@ from daq.capture import CaptureSettings, capture
 from daq.decode import MAX_MISSING
 from daq.errors import BoardError, DataLost, LinkLost, OperatorError, PortError
 from daq.frame_reader import MOST_BYTES
-from daq.importing import errors as limits
+from daq.importing import errors
 from daq.link import Link
 from daq.raw_log import MAX_LOG
 from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Start, Stop, encode
@@ -183,10 +183,10 @@ def test_the_limits_on_the_page_are_those_of_the_program() -> None:
     assert f"| {MAX_LOG / 1e9:.1f} GB (2^31 bytes) |" in page
     assert f"| {MAX_MISSING / 1e6:.0f} million numbers ({8e-6 * MAX_MISSING:.0f} MB) |" in page
     assert (
-        f"| {limits.MAX_BYTES / 1e6:.0f} MB, unpacked too; {limits.MAX_NUMBERS / 1e6:.0f} million numbers"
+        f"| {errors.MAX_BYTES / 1e6:.0f} MB, unpacked too; {errors.MAX_NUMBERS / 1e6:.0f} million numbers"
         in page
     )
-    assert f"| {limits.MAX_TEXT / 1e6:.0f} MB, {limits.MAX_LINES / 1e6:g} million lines" in page
+    assert f"| {errors.MAX_TEXT / 1e6:.0f} MB, {errors.MAX_LINES / 1e6:g} million lines" in page
 
 
 def test_a_board_that_still_samples_for_a_host_that_died_is_stopped(tmp_path: Path) -> None:
