@@ -41,14 +41,15 @@ def test_the_sketch_includes_nothing_from_outside_its_folder() -> None:
 @pytest.mark.parametrize("sensor", ["ADXL355", "MPU6050"])  # ADXL335: the sizes below
 def test_both_boards_compile_with_every_sensor(tmp_path: Path, sensor: str) -> None:
     given = f"-DACCELERATION={sensor}"
-    for build, flags in (
+    targets: tuple[tuple[Callable[..., Path], tuple[str, ...]], ...] = (
         (images.mega, ("atmega2560",)),
         (images.mega, ("atmega328p",)),
         (images.launchpad, ()),
         (images.launchpad, ("-DBOARD_LM3S6965",)),
         (images.launchpad, images.EMULATED),
-    ):
-        built(build, tmp_path / "image.elf", *flags, given)
+    )
+    for i, (build, flags) in enumerate(targets):
+        assert built(build, tmp_path / f"{i}.elf", *flags, given).read_bytes().startswith(b"\x7fELF")
 
 
 @pytest.mark.slow
