@@ -60,7 +60,7 @@ def align(decay: FreeDecay) -> Alignment:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
         )
-    decay, _ = average_blocks(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
+    decay, _ = average_blocks(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)), frequency)
     pair = pair_of(decay)
     moving = slice(decay.start, None)
     _require_motion(pair, moving, frequency)

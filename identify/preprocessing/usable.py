@@ -12,6 +12,7 @@ from identify.preprocessing.motion import ABOVE_NOISE, Motion
 from identify.preprocessing.release import HAND_S
 from identify.preprocessing.sampling import flat_frequency, too_coarse
 from identify.signal.fractional_delay import bridge
+from identify.signal.running import runs_of
 
 
 def usable(
@@ -62,11 +63,16 @@ def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
     """Count the samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
 
     The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k). `frequency`
-    is angular (rad/s), `stuck` mu_0/k and `floor` the noise of the displacement (m).
+    is angular (rad/s), `stuck` mu_0/k and `floor` the noise of the displacement (m). What stands out again for less than
+    two cycles is a knock, or the end of an integrated acceleration, and no motion.
     """
     large = np.abs(motion.velocity) / frequency > 2.0 * stuck + ABOVE_NOISE * floor
-    places = np.flatnonzero(large)
-    return int(places[-1]) + 1 if len(places) else 0
+    cycle = 2.0 * np.pi * motion.rate / frequency
+    begin = end = count = 0
+    for first, stop in runs_of(large):
+        begin, end = begin if first - end < 0.75 * cycle else first, stop
+        count = end if not count or end - begin > 2.0 * cycle else count
+    return count
 
 
 def floor_of(noise: dict[str, float], frequency: float) -> float:

@@ -1,7 +1,7 @@
 """The regression of the restoring force: eq. (17) under the windows, for every damping order."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -117,7 +117,15 @@ def fit_orders(
         direction.before, np.where(direction.at < 1, direction.at - window.late * motion.rate, 1.0)
     )
     common = whiten(factor, mu_0 * (rows_of_sign(windows, late) - found[:, 0])[:, None])
-    return [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+    fits = [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+    return [_without_viscous(*fits[:2]), *fits[1:]] if max_order else fits
+
+
+def _without_viscous(dry: ForceFit, usual: ForceFit) -> ForceFit:
+    """Give dry friction alone the errors that it has beside viscous damping, and what that would change."""
+    kept = [i for i in range(len(usual.covariance)) if i != 1]
+    changed = usual.solution.values[kept] - dry.solution.values
+    return replace(dry, covariance=usual.covariance[np.ix_(kept, kept)] + np.outer(changed, changed))
 
 
 def _equation_error(

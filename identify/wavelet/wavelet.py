@@ -105,16 +105,15 @@ def identify_wavelet(
 
 
 def _observed(decay: FreeDecay) -> tuple[int, Observed]:
-    """Return the first usable sample of the lowest channel, and its ridge over what is usable; no dead one is asked."""
+    """Return the first usable sample of the lowest channel, and its ridge over what is usable; no other one is asked."""
     if decay.driven:
         raise NotIdentifiable(
             "a force drives the motion to the end of the record; the wavelet method needs a free decay"
         )
     (channel, samples), *others = decay.channels.items()
-    valid = decay.known
-    dead = {name: None for name, values in others if len(np.unique(values[valid])) == 1}
-    noise, motion = noise_levels(decay)[channel], reconstruct(decay.with_(**dead))
-    first, stop, w = usable(decay.with_(force=None), motion, {channel: noise}, _FEWEST_CYCLES)
+    valid, alone = decay.known, decay.with_(force=None, **{name: None for name, _ in others})
+    noise, motion = noise_levels(alone)[channel], reconstruct(alone)
+    first, stop, w = usable(alone, motion, {channel: noise}, _FEWEST_CYCLES)
     part = slice(motion.start + first, motion.start + stop)
     whole, derivatives = bridge(samples, valid), CHANNELS.index(channel)
     return part.start, observe(whole[part], valid[part], decay.rate, derivatives, w, noise)
@@ -189,7 +188,7 @@ def _result(
     misfits: tuple[float, ...],
     reasons: tuple[str, str],
 ) -> WaveletResult:
-    per_mass, damping = _estimates(decay, observed, fit)
+    per_mass, damping = _estimates(decay, observed, fit, viscous_tried=len(misfits) > 1)
     stiffness = with_mass(decay, per_mass)
     computed = exact_decay(observed, fit)
     reconstruction = channel_of(computed, observed.derivatives)
@@ -221,14 +220,21 @@ def _result(
 
 
 def _estimates(
-    decay: FreeDecay, observed: Observed, fit: RidgeFit
+    decay: FreeDecay, observed: Observed, fit: RidgeFit, *, viscous_tried: bool
 ) -> tuple[dict[int, Estimate], tuple[Estimate, ...]]:
-    """Stiffness per unit mass by order, and damping, with their standard errors."""
+    """Stiffness per unit mass by order, and damping, with their standard errors.
+
+    Dry friction alone has the error that it has beside viscous damping, and what that would change.
+    """
     stiffness, damping = parameters_of(fit)
     w = fit.phase_fit.parameters[1]
     of_envelope, of_phase = spreads_of(observed, fit)
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
+    if fit.order == 0 and viscous_tried:
+        usual = replace(fit, envelope_fit=other_order(observed, fit, 1))
+        of_usual = spreads_of(observed, usual)[0][1:2] / envelope_factors(w, 0)
+        damping_std = np.hypot(of_usual, parameters_of(usual)[1][:1] - damping)
     by_order = {i: (stiffness[i], std) for i, std in zip(fit.stiffness_orders, stiffness_std, strict=True)}
     return stiffnesses(decay, by_order), dampings(decay, zip(damping, damping_std, strict=True))
 

@@ -78,4 +78,4 @@ def test_a_stiffness_from_a_wrong_clock_is_within_its_error_and_the_clock_is_nam
 def test_the_clocks_error_reaches_the_window_of_a_fit_and_survives_averaging() -> None:
     assert prepare(recorded(0.128)).window.rate_std == pytest.approx(0.128)
     assert prepare(recorded(0.128)).window.part(slice(0, None, 4)).rate_std == pytest.approx(0.032)
-    assert average_blocks(recorded(0.128), 4)[0].rate_std == pytest.approx(0.032)
+    assert average_blocks(recorded(0.128), 4, 3.9)[0].rate_std == pytest.approx(0.032)

@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.library import find_effect
+from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.judging.floor_not_reached import is_predicted
 from identify.judging.suspects import Candidate
@@ -120,12 +121,16 @@ def test_of_a_name_whose_strength_is_unknown_no_numbers_are_stated():
 def test_noise_that_swings_by_itself_is_no_decay_and_what_to_look_at_is_said():
     """White noise through a resonance damped to a tenth in eleven readings; a floor that is guessed as large excuses all."""
     springs = tuple(find_effect(n) for n in ("cubic_stiffness", "quadratic_damping", "harmonic_forcing"))
-    found = []
-    for seed in (1, 3, 4):
+    found, refused = [], 0
+    for seed in (1, 2, 3):
         noise = np.random.default_rng(seed).standard_normal(1500)
         swinging = lfilter([1.0], [1.0, -np.exp(-0.2 + 0.3j)], noise).real
-        found.append(diagnose(FreeDecay(50.0, swinging), library=springs))
+        try:
+            found.append(diagnose(FreeDecay(50.0, swinging), library=springs))
+        except NotIdentifiable:
+            refused += 1
     assert {one.named for one in found} == {()}
+    assert refused
     drowned = [one for one in found if one.verdict == "not_enough_data"]
     assert any(
         "is this the right column, and is the mass swinging freely?" in one.explanation for one in drowned
