@@ -102,8 +102,9 @@ def average_blocks(
     """Return the decay averaged over blocks of `block` samples, and the time of its first sample, s.
 
     Blocks start at the release. What a mean loses of a motion at `frequency` (Hz) is put back: uncorrected, dry friction
-    would be as much too small as the amplitude (4e-4 with 64 blocks a cycle). Samples that are not known, or `lost` in one channel, are bridged; a block of which half is
-    not known is not known. White noise shrinks with the root of the block's length.
+    would be as much too small as the amplitude (4e-4 with 64 blocks a cycle). Samples that are not known, or `lost` in
+    one channel, are bridged; a block of which half is not known is not known. White noise shrinks with the root of the
+    block's length.
     """
     if block < 2:
         return decay, 0.0
