@@ -247,8 +247,9 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
         return None
     noise = channel.noise / np.sqrt(step)
     size = float(np.std(coarse[last - round(turn) : last])) * np.sqrt(2.0)
-    force, uncertainty = unfree(coarse[first:last], turn, noise)
-    runs = runs_of(np.abs(force) > max(UNFREE_SHARE * size, 4.0 * uncertainty))
+    least = UNFREE_SHARE * size
+    force, uncertainty = unfree(coarse[first:last], turn, noise, 0.25 * least)
+    runs = runs_of(np.abs(force) > max(least, 4.0 * uncertainty))
     runs = [run for run in runs if run[1] < last - first - 2]
     if not runs or size <= 0.0:
         return None

@@ -59,18 +59,19 @@ def running_amplitude(values: Array, period: int) -> Array:
     return np.pad(inside, (left, n - len(inside) - left), mode="edge")
 
 
-def unfree(values: Array, period: float, noise: float) -> tuple[Array, float]:
+def unfree(values: Array, period: float, noise: float, wanted: float) -> tuple[Array, float]:
     """Return the force that is not the oscillator's own, shape (n,), and its noise, in units of displacement.
 
     The second derivative less what value and slope explain of it over the last period and a half, over w^2: nearly
     zero in free motion; what is left is the hand, while it holds, pulls or strikes. Derivatives are those of a
-    parabola through an eighth of a period.
+    parabola through an eighth of a period, of up to four tenths where the noise would be more than is `wanted`.
     """
     scale = 2.0 * (period / (2.0 * np.pi)) ** 2
-    half = max(2, round(period / 16.0))
-    place = np.arange(-half, half + 1, dtype=float)
-    weights = np.linalg.pinv(np.vander(place, 3, increasing=True))
-    uncertainty = noise * scale * float(np.linalg.norm(weights[2]))
+    half, uncertainty = max(2, round(period / 16.0)) - 1, np.inf
+    while uncertainty > wanted and half < max(2, round(0.2 * period)):
+        half += 1
+        weights = np.linalg.pinv(np.vander(np.arange(-half, half + 1.0), 3, increasing=True))
+        uncertainty = noise * scale * float(np.linalg.norm(weights[2]))
     if len(values) < 4 * half + 4:
         return np.zeros(len(values)), uncertainty
     value, slope, curvature = (np.correlate(values, row, "valid") for row in weights)

@@ -36,6 +36,7 @@ _ROUNDS = 30
 _STEPS_PER_CYCLE = 100  # the frequency of a fourth-order step is then off by some 1e-8
 _RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
 _ASTRAY = 2.0
+_BAND = 3.0  # factor about the frequency of the ridge within which it sees anything
 
 
 class RunsAway(NotIdentifiable):
@@ -152,6 +153,8 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
     phase, frequency = fit.phase_fit.parameters[:2]
+    if not 1.0 / _BAND < frequency / observed.angular_frequency < _BAND:
+        raise RunsAway
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
     return simulate_decay(
