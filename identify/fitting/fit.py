@@ -242,10 +242,9 @@ def _result(
     still: Mask | None = None,
 ) -> Fit:
     at_bound = (theta <= problem.low) | (theta >= problem.high)
-    if still is not None:
-        at_bound |= still
+    held = np.zeros(len(theta), dtype=bool) if still is None else still
     normal = jacobian.normal()
-    normal[at_bound], normal[:, at_bound] = 0.0, 0.0
+    normal[held], normal[:, held] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     values, vectors = np.linalg.eigh(normal / np.outer(own, own))
     weak = values < _COLLINEAR
@@ -253,9 +252,9 @@ def _result(
     covariance = (vectors * inverse) @ vectors.T / np.outer(own, own)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
-    std = np.where(lost | at_bound, np.inf, std)
+    std = np.where(lost | held, np.inf, std)
     unidentifiable = tuple(
-        u.name for u, gone, bound in zip(problem.unknowns, lost, at_bound, strict=True) if gone and not bound
+        u.name for u, gone, bound in zip(problem.unknowns, lost, at_bound | held, strict=True) if gone and not bound
     )
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
@@ -276,7 +275,7 @@ def _result(
             for u, t, s in zip(problem.unknowns, theta, std, strict=True)
         },
         chi_square=cost,
-        degrees=len(jacobian) - int((~at_bound).sum()),
+        degrees=len(jacobian) - int((~(at_bound | held)).sum()),
         predicted=tuple(
             problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
         ),

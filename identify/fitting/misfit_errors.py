@@ -76,9 +76,8 @@ def with_misfit_errors(found: Fit) -> Fit:
 
     The sandwich of normal matrix and scatter of the scores (Huber 1967).
     """
-    inside = [u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)]
     length = np.sqrt(np.diag(found.linearised[1].normal()))
-    scales = np.divide(1.0, length, out=np.zeros_like(length), where=(length > 0.0) & inside)
+    scales = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
     cycles, free = cycle_sums(found, scales), np.flatnonzero(scales)
     scatter = scatter_of_scores(cycles, len(free), len(found.windows))
     if scatter is None:  # white noise as dense as the misfit is all that can be said

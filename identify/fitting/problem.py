@@ -134,6 +134,7 @@ class Problem:
             time=window.time,
             lag=float(lag),
             external=self._external(theta, i, extra),
+            dry=self.layout.linear[2] != NOWHERE,
         )
 
     def _external(self, theta: Array, i: int, extra: Array | None) -> Array | None:
