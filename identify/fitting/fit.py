@@ -227,7 +227,10 @@ def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
         samples = int(cycles * 2.0 * np.pi / w * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(whole.model, tuple(s.part(slice(samples)) for s in windows), w, far=True)
+        parts = tuple(s.part(slice(samples)) for s in windows)
+        if not any(used.any() for part in parts for used in part.used.values()):
+            continue
+        short = Problem(whole.model, parts, w, far=True)
         theta = minimise(short, theta, steps=8, tolerance=1.0, held=still).theta
     return theta
 
@@ -254,7 +257,9 @@ def _result(
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | held, np.inf, std)
     unidentifiable = tuple(
-        u.name for u, gone, bound in zip(problem.unknowns, lost, at_bound | held, strict=True) if gone and not bound
+        u.name
+        for u, gone, bound in zip(problem.unknowns, lost, at_bound | held, strict=True)
+        if gone and not bound
     )
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
-from identify.preprocessing.noise import stale, steps_between
+from identify.preprocessing.noise import converter_step, stale, steps_between
 from identify.signal.fractional_delay import lagrange_weights
 from identify.signal.running import runs_of
 
@@ -32,7 +32,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
     """
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
-    start = 2
+    start, step = 2, converter_step(readings)
     usual: dict[int, float] = {}
     for first, stop in runs_of(stale(readings)):
         if first < start or stop + 2 > n or stop - first > _LONGEST:
@@ -40,7 +40,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         length = stop - first
         if length not in usual:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
-        far = _FAR * sigma * _amplified(length)
+        far = _FAR * max(sigma, step) * _amplified(length)
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True

@@ -135,8 +135,7 @@ def prepare(
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
-    floor = min(floor_of(sigma, frequency), motion.noise_displacement or np.inf)
-    length = above(motion, frequency, max(mu_0, 0.0) / k, floor)
+    length = above(motion, frequency, max(mu_0, 0.0) / k, floor_of(sigma, frequency))
     cycles = length * frequency / (2.0 * np.pi * record.rate)
     begin = (release.settle - release.time_s * record.rate) / record.rate
     to_the_end = length == len(motion.displacement)
@@ -228,9 +227,9 @@ def _without_reversals(
     """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
 
     `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
-    the interval where the jump falls.
+    the interval where the jump falls. A jump below half of the noise is not seen, and nothing is left out.
     """
-    if "acceleration" not in window.used:
+    if "acceleration" not in window.used or 4.0 * friction < window.sigma["acceleration"]:
         return window
     share = _REVERSAL_MARGIN + (_REVERSAL_IN_BLOCK if averaged else 0.0)
     timing = np.abs(motion.acceleration) * share / motion.rate

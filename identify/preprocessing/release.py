@@ -221,8 +221,8 @@ def _release(
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
     n = len(channels[0].values)
     end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
-    if not found:
-        start = earliest if number else 0
+    if not found:  # free from the beginning, or once it has risen
+        start = earliest if burst.start - earliest < period else burst.start + round(period)
         return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate

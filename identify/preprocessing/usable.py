@@ -63,9 +63,11 @@ def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
     """Count the samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
 
     The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k). `frequency`
-    is angular (rad/s), `stuck` mu_0/k and `floor` the noise of the displacement (m). What stands out again for less than
+    is angular (rad/s), `stuck` mu_0/k and `floor` the noise of a reading as a displacement (m), of which a loud channel's
+    motion holds less. What stands out again for less than
     two cycles is a knock, or the end of an integrated acceleration, and no motion.
     """
+    floor = min(floor, motion.noise_displacement or np.inf)
     large = np.abs(motion.velocity) / frequency > 2.0 * stuck + ABOVE_NOISE * floor
     cycle = 2.0 * np.pi * motion.rate / frequency
     begin = end = count = 0

@@ -62,7 +62,7 @@ def running_amplitude(values: Array, period: int) -> Array:
 def unfree(values: Array, period: float, noise: float, wanted: float) -> tuple[Array, float]:
     """Return the force that is not the oscillator's own, shape (n,), and its noise, in units of displacement.
 
-    The second derivative less what value and slope explain of it over the last period and a half, over w^2: nearly
+    The second derivative less what value and slope explain of it over the last period, over w^2: nearly
     zero in free motion; what is left is the hand, while it holds, pulls or strikes. Derivatives are those of a
     parabola through an eighth of a period, of up to four tenths where the noise would be more than is `wanted`.
     """
@@ -76,6 +76,6 @@ def unfree(values: Array, period: float, noise: float, wanted: float) -> tuple[A
         return np.zeros(len(values)), uncertainty
     value, slope, curvature = (np.correlate(values, row, "valid") for row in weights)
     own = np.column_stack([value, slope, np.ones(len(value))])
-    last = slice(-round(1.5 * period), None)
+    last = slice(-round(period), None)
     coefficients = np.linalg.lstsq(own[last], curvature[last], rcond=None)[0]
     return np.pad((curvature - own @ coefficients) * scale, half), uncertainty

@@ -36,6 +36,18 @@ def test_slopes_from_longer_steps_are_those_of_the_motion(name, inner):
         assert np.linalg.norm(gap) < 0.05 * np.linalg.norm(slope[moves]), unknown.name
 
 
+def test_the_slope_of_dry_friction_is_the_same_where_there_is_none():
+    prepared, _ = drawn(None, 0.0, 7100)
+    problem = Problem(base_model(), (prepared.window,), prepared.frequency)
+    theta = problem.theta(initial_values((prepared,), problem.model, {}))
+    mu_0 = problem.index["coulomb_friction.mu_0"]
+    slopes = []
+    for friction in (0.0, 1e-6):
+        theta[mu_0], problem.steps[:] = friction, 0.0
+        slopes.append(linearise(problem, theta)[1].column(mu_0))
+    assert np.linalg.norm(slopes[0] - slopes[1]) < 0.01 * np.linalg.norm(slopes[1])
+
+
 def test_a_start_that_changes_and_changes_back_moves_its_window_once(monkeypatch):
     prepared, _ = drawn("cubic_stiffness", 0.03, 7100)
     model, windows = base_model(), (prepared.window, prepared.window.with_(release=1))

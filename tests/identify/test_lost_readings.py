@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from identify.preprocessing.lost_readings import find_lost_readings
+from mocks.generate import draw
 
 RATE = 256.0
 
@@ -61,3 +62,13 @@ def test_the_last_cycles_of_a_coarse_converter_are_no_dropout():
     for phase in np.arange(0.0, 2 * np.pi, 0.1):
         reading = 2.0 * np.round(60.0 * np.exp(-3.0 * time) * np.cos(18.2 * time + phase))
         assert not find_lost_readings(reading, 2.0 / np.sqrt(12.0)).any()
+
+
+def test_the_jump_of_dry_friction_in_coarse_steps_is_no_dropout():
+    """At a reversal the acceleration jumps by four steps, and a reading beside it repeats the one before by itself."""
+    for seed in range(20):
+        sample = draw(
+            None, 0.0, 500 + seed, mu_0=0.38, amplitude=0.02, rate=1500.0, bits=10, noise_acceleration=0.03
+        )
+        free = int((sample.truth["released_at_s"] + 0.05) * sample.rate)
+        assert not find_lost_readings(sample.acceleration, 0.04)[free:].any()

@@ -40,6 +40,26 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
 
 
 @pytest.mark.parametrize("names", CHANNELS)
+@pytest.mark.parametrize("rest", [0.25, 2.0])  # one cycle and eight
+def test_the_hold_before_a_noisy_release_is_no_motion(names: tuple[str, ...], rest: float) -> None:
+    """Noise of a twentieth of the amplitude, with thirty readings a cycle or with three hundred."""
+    for seed, rate in enumerate((120.0, 400.0, 1200.0)):
+        sample = draw(
+            None,
+            0.0,
+            seed,
+            amplitude=0.02,
+            rate=rate,
+            rest=rest,
+            noise_displacement=1e-3,
+            noise_acceleration=0.6,
+        )
+        found = release_of(FreeDecay(rate, **{name: getattr(sample, name) for name in names}))
+        assert abs(found.time_s - sample.truth["released_at_s"]) < 0.05
+        assert found.kind == "displaced"
+
+
+@pytest.mark.parametrize("names", CHANNELS)
 def test_an_impulse_is_told_from_a_displacement(names: tuple[str, ...]) -> None:
     for seed in range(6):
         sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, release_time=0.01)
