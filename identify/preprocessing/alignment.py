@@ -28,6 +28,9 @@ TOO_LITTLE = "There is too little motion above the noise to know the lag between
 ENOUGH_PER_PERIOD = 64
 """Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
 
+_HARMONICS = 3.0
+"""Corner, in units of the motion's frequency, of the motion that lag and gain are read by: above it is noise."""
+
 CONTRADICTION = 4.0
 """The lag found and the lag stated are two estimates of one lag up to this many standard errors of their difference."""
 
@@ -65,12 +68,14 @@ def align(decay: FreeDecay) -> Alignment:
     moving = slice(decay.start, None)
     _require_motion(pair, moving, frequency)
     upright, opposite = _starts(pair, moving, frequency)
-    best = agree(pair, *upright, steps=8)
+    corner = _HARMONICS * frequency / pair.rate
+    best = agree(pair, *upright, steps=8, corner=corner)
     if best.chi_square > 2.0 * best.degrees:
-        other = agree(pair, *opposite, steps=8)
+        other = agree(pair, *opposite, steps=8, corner=corner)
         best = other if 2.0 * other.chi_square < best.chi_square else best
     pair = with_reversals(pair, best)
-    return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency, decay.stated_lag)
+    found = agree(pair, best.lag, best.gain, steps=8, corner=corner)
+    return _judged(pair, found, frequency, decay.stated_lag)
 
 
 def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:

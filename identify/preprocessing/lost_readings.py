@@ -42,7 +42,8 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
         far = _FAR * max(sigma, step) * _amplified(length)
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
-        if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
+        around = readings[first - 2 : stop + 2]
+        if min(_off_cubic(around, length)[0], _off_line(around), _off_line(around[::-1])) > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma)
 
@@ -52,6 +53,12 @@ def _off_cubic(readings: Array, length: int) -> Array:
     windows = np.lib.stride_tricks.sliding_window_view(readings, length + 4)
     around = windows[:, [0, 1, -2, -1]]
     return np.asarray(np.abs(windows[:, 2:-2] - around @ _cubic(length)).max(axis=1))
+
+
+def _off_line(around: Array) -> float:
+    """Return the largest distance of a run of readings, with two on either side, from the line through the two before it."""
+    line = around[1] + (around[1] - around[0]) * np.arange(1.0, len(around) - 3)
+    return float(np.abs(around[2:-2] - line).max())
 
 
 @lru_cache(maxsize=_LONGEST)

@@ -17,6 +17,7 @@ import numpy as np
 from identify.algebra import banded_cholesky, solve_factored
 from identify.arrays import Array
 from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
+from identify.signal.smoothing import smooth
 
 AVERAGES = {
     2: (-2, np.array([-1.0, 24.0, 194.0, 24.0, -1.0]) / 240.0),
@@ -118,7 +119,9 @@ def difference_slope(order: int, rate: float, fraction: float, whole: int) -> St
     )
 
 
-def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int = 4) -> Agreement:
+def agree(
+    pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int = 4, corner: float = 0.5
+) -> Agreement:
     """Return the maximum-likelihood gain and lag (if `free`) and slow offset of a pair.
 
     Gauss-Newton on r' C^-1 r with C the covariance at the present lag and gain. The columns for gain and
@@ -127,7 +130,7 @@ def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int 
     """
     n = len(pair.low)
     time = np.linspace(-1.0, 1.0, n)
-    smooth_low = pair.low
+    smooth_low = agree(pair, lag, gain, free=False).low if free else pair.low
     result: Agreement | None = None
     for _ in range(steps if free else 1):
         whole, fraction = split_shift(lag * pair.rate)
@@ -137,8 +140,11 @@ def agree(pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int 
         slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
         columns = slow
         if free:
-            slope = difference_slope(pair.order, pair.rate, fraction, whole)
-            columns = np.column_stack([h.apply(smooth_low, rows), gain * slope.apply(smooth_low, rows), slow])
+            slope, quiet = (
+                difference_slope(pair.order, pair.rate, fraction, whole),
+                smooth(smooth_low, corner),
+            )
+            columns = np.column_stack([h.apply(quiet, rows), gain * slope.apply(quiet, rows), slow])
         averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
         residual = averages - gain * h.apply(pair.low, rows)
         factor = banded_cholesky(_covariance(pair, average, h, gain, rows))
