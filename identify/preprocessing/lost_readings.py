@@ -42,8 +42,9 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
         far = _FAR * max(sigma, step) * _amplified(length)
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
-        around = readings[first - 2 : stop + 2]
-        if min(_off_cubic(around, length)[0], _off_line(around), _off_line(around[::-1])) > limit:
+        off = _off_cubic(readings[first - 2 : stop + 2], length)[0]
+        sides = _off_line(readings, first, length), _off_line(readings[::-1], n - stop, length)
+        if min(off, *sides) > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma)
 
@@ -55,10 +56,11 @@ def _off_cubic(readings: Array, length: int) -> Array:
     return np.asarray(np.abs(windows[:, 2:-2] - around @ _cubic(length)).max(axis=1))
 
 
-def _off_line(around: Array) -> float:
-    """Return the largest distance of a run of readings, with two on either side, from the line through the two before it."""
-    line = around[1] + (around[1] - around[0]) * np.arange(1.0, len(around) - 3)
-    return float(np.abs(around[2:-2] - line).max())
+def _off_line(readings: Array, first: int, length: int) -> float:
+    """Return the largest distance of a run of readings from the line through two before it, as far apart as it is long."""
+    begin, end = readings[max(first - 2 - length, 0)], readings[first - 1]
+    line = end + (end - begin) / min(length + 1, first - 1) * np.arange(1.0, length + 1.0)
+    return float(np.abs(readings[first : first + length] - line).max())
 
 
 @lru_cache(maxsize=_LONGEST)
