@@ -227,9 +227,9 @@ def _without_reversals(
     """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
 
     `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
-    the interval where the jump falls. A jump below half of the noise is not seen, and nothing is left out.
+    the interval where the jump falls. In a loud channel a jump is not seen, and nothing is left out.
     """
-    if "acceleration" not in window.used or 4.0 * friction < window.sigma["acceleration"]:
+    if "acceleration" not in window.used or motion.noise_displacement is not None:
         return window
     share = _REVERSAL_MARGIN + (_REVERSAL_IN_BLOCK if averaged else 0.0)
     timing = np.abs(motion.acceleration) * share / motion.rate
