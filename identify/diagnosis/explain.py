@@ -221,10 +221,9 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
-    return (
-        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leave "
-        f"{_times_the_noise(best.error_after)}."
-    )
+    name = plain_name(best.effect.name)
+    which = f"The next best, {name}," if best.error_after >= top.error_after else f"With a constant more, {name}"
+    return f"{which} would explain {share_words(share)} of it and leave {_times_the_noise(best.error_after)}."
 
 
 def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:

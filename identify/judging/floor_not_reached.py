@@ -138,21 +138,45 @@ def _by_free_run(
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or the best, no law of
-    time, leaves next to nothing of what the model left, and its strength is clear of none. A line follows any motion for a
-    while, and no implausible effect may leave less.
+    time, leaves next to nothing of what the model left, and its strength is clear of none. Of those that are not
+    distinguishable from it the simplest leads, and one without a constant of its own wherever it leaves as little. A line
+    follows any motion for a while, and no implausible effect may leave less.
     """
     best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
-    if best is None or not best.plausible or best.term.effect.kind != "physics" or best.term.effect.line:
+    if best is None or not _is_physics(best):
         return None
-    final, term = best.fit, best.term
-    left = final.chi_square / baseline.fit.chi_square
-    second = beats and best.term.force.proportional and left < _LINE_LEAVES
-    all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
-    if not second and not (all_of_it and is_clear(final, term)):
+    much = baseline.fit.chi_square
+    if beats and best.term.force.proportional and best.fit.chi_square < _LINE_LEAVES * much:
+        return _singled_out(baseline, best, (), ranked, found)
+    if baseline.floor_is_sure:
         return None
-    rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
-    named = (replace(best, claimed=True), *rest)
-    return Judgement("missing_effect", named, final, shape=free_form(baseline, final), confirmation=found)
+    reach = tuple(e for e in ranked if _is_physics(e) and e.fit.chi_square < NEXT_TO_NOTHING * much)
+    names = rivals_of(best, ranked)
+    alike = tuple(e for e in reach if e is best or e.name in names)
+    predicted = tuple(e for e in reach if is_predicted(e))[:1]
+    leader = min(predicted or alike, key=lambda e: complexity(e.term.effect), default=None)
+    if leader is None or any(e.term.effect.of_time for e in alike) or not is_clear(leader.fit, leader.term):
+        return None
+    return _singled_out(baseline, leader, alike, ranked, found)
+
+
+def _is_physics(entry: Candidate) -> bool:
+    return entry.plausible and entry.term.effect.kind == "physics" and not entry.term.effect.line
+
+
+def _singled_out(
+    baseline: Baseline,
+    leader: Candidate,
+    alike: tuple[Candidate, ...],
+    ranked: tuple[Candidate, ...],
+    found: Confirmation | None,
+) -> Judgement:
+    """Name a force that the simulation singles out; only it and those `alike` keep their claim."""
+    rest = tuple(e if e in alike else replace(e, claimed=False) for e in ranked if e is not leader)
+    shape = free_form(baseline, leader.fit)
+    return Judgement(
+        "missing_effect", (replace(leader, claimed=True), *rest), leader.fit, shape=shape, confirmation=found
+    )
 
 
 def is_predicted(candidate: Candidate) -> bool:

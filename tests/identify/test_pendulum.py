@@ -216,3 +216,22 @@ def test_gravity_beside_a_spring_keeps_a_strength_of_its_own():
     baseline = fit_baseline((prepared,), base_model().plus(Term(find_effect("pendulum_stiffness"))))
     assert as_the_whole_spring(baseline.stated(baseline.fit), baseline.fit) is baseline.fit
     assert baseline.fit.values["pendulum_stiffness.g"].value == pytest.approx(0.5 * K, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("angle", "drag"), [(0.8, 0.012), (2.2, 0.005)])
+def test_drag_beside_gravity_does_not_make_a_cubic_spring_of_it(angle: float, drag: float):
+    """Neither reaches the floor alone: of two that leave next to nothing the one without a constant of its own leads."""
+
+    def slope(t: float, y: np.ndarray) -> list[float]:
+        return [
+            y[1],
+            -21.0 * np.sin(y[0]) - 0.012 * y[1] - drag * y[1] * abs(y[1]) - 0.005 * np.tanh(1e4 * y[1]),
+        ]
+
+    time = np.arange(2400) / 100.0
+    swing = solve_ivp(
+        slope, (0.0, 24.5), (angle, 0.0), t_eval=time + 0.4, rtol=1e-9, atol=1e-11, method="LSODA"
+    )
+    noise = 2e-3 * angle * np.random.default_rng(5).standard_normal(len(time))
+    assert diagnose(FreeDecay(100.0, swing.y[0] + noise, unit="rad")).named[0] == "pendulum_stiffness"
