@@ -165,7 +165,7 @@ class ParameterLayout:
         lag = gain = NOWHERE
         if window.paired:
             lag = own("lag", "s", 1e-2 / w, window.lag - window.lag_reach, window.lag + window.lag_reach)
-            gain = own("gain", "1", 1e-2, 0.2, 5.0)
+            gain = own("gain", "1", 1e-2, -20.0, 20.0)  # turned over, or in g
         offsets = {
             c: own(
                 f"{c}_offset",

@@ -102,6 +102,24 @@ def test_dry_friction_alone_is_as_uncertain_as_the_viscous_damping_that_was_left
     assert np.max(np.abs(scores)) < 4.0
 
 
+def test_the_frequency_of_hundreds_of_cycles_is_as_good_as_their_phase():
+    sample = draw(
+        None,
+        0.0,
+        9,
+        stiffness=7740.0,
+        mu_0=0.08,
+        mu_1=0.023,
+        amplitude=0.04,
+        seconds=17.0,
+        rate=508.0,
+        range_acceleration=500.0,
+    )
+    found = identify_wavelet(aligned(sample).with_(acceleration=None))
+    assert found.stiffness_per_mass.std < 2e-8 * 7740.0
+    assert found.stiffness_per_mass.value == pytest.approx(7740.0, rel=1e-7)
+
+
 def test_the_order_of_the_damping_rises_with_drag():
     sample = draw("quadratic_damping", 0.03, 9, amplitude=0.025)
     decay = aligned(sample)

@@ -8,6 +8,7 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
 from mocks.generate import draw
 
 BENDS = ["sensor_nonlinearity", "sensor_bandwidth"]
@@ -63,3 +64,12 @@ def test_the_roll_off_is_that_of_a_first_order_filter():
     expected = np.imag(np.exp(1j * w * time) / (1.0 + 1j * frequency / corner))
     # Straight between samples: (w h)^2 / 12 of the reading, 5e-5; after 0.3 s the beginning is e^-17.
     np.testing.assert_allclose(seen[300:], expected[300:], atol=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turned", [-1.0, 1.0 / 9.80665])
+def test_an_accelerometer_turned_over_or_in_g_hides_no_force(turned: float):
+    sample = draw("cubic_stiffness", 0.02, 77, amplitude=0.02)
+    found = diagnose(FreeDecay(sample.rate, sample.displacement, turned * sample.acceleration))
+    assert found.named == ("cubic_stiffness",)
+    assert found.final.values["gain"].value == pytest.approx(turned, rel=1e-3)
