@@ -12,7 +12,7 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
-from identify.preprocessing.sampling import HELD, average_blocks, block_means, flat_frequency
+from identify.preprocessing.sampling import average_blocks, blocks_held, flat_frequency
 
 BLOCKS_A_CYCLE = 64
 """Blocks a cycle that a fit needs at least; the simulator takes twice as many steps."""
@@ -27,7 +27,7 @@ _DISAGREE = 4.0
 def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
     """Return an aligned decay with 64 to 128 samples a cycle, and how many readings make one; unchanged where few.
 
-    Blocks begin at the release. Lost readings are bridged unless they are half of their block, which is then lost.
+    Blocks begin at the release. Lost readings are bridged unless they are half of their block or more, which is then lost.
     The noise of the blocks is that of the readings over the root of their number, unless the blocks say otherwise:
     noise that is not white falls less.
     """
@@ -40,7 +40,7 @@ def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
     noise = _noise(aligned.noise, recorded, block)
     std = {f"noise_{name}": max(found.std, 1e-300) for name, found in noise.items()}
     skipped = record.start % block
-    lost = {name: block_means(mask[skipped:], block) >= 1.0 - HELD for name, mask in aligned.lost.items()}
+    lost = {name: ~blocks_held(~mask[skipped:], block) for name, mask in aligned.lost.items()}
     return replace(
         aligned,
         recorded=recorded.with_(**std),

@@ -49,7 +49,7 @@ LONG_GAP = 0.5
 LONG_LOSS = 0.33
 """Share of a cycle from which on lost samples are a hole in the running amplitude; shorter ones are bridged."""
 
-HELD = 0.5
+_HELD = 0.5
 """Share of a block's readings that must be there; the others are bridged."""
 
 ENOUGH = 256
@@ -60,6 +60,17 @@ def block_means(values: Array | Mask, step: int) -> Array:
     """Return the means of whole blocks of `step` samples, of a mask the shares."""
     count = len(values) // step
     return np.asarray(values[: count * step].reshape(count, step).mean(axis=1))
+
+
+def blocks_held(known: Mask, block: int) -> Mask:
+    """Return which whole blocks of `block` readings are known: half of each at least, and none beside a loss as long.
+
+    What is bridged of a short loss is as good as read; of a long one it is not.
+    """
+    long = np.zeros(len(known), dtype=bool)
+    for begin, end in runs_of(~known):
+        long[begin:end] = end - begin >= block
+    return np.asarray((block_means(known, block) > _HELD) & (block_means(long, block) == 0.0))
 
 
 def over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
@@ -103,13 +114,12 @@ def average_blocks(
 
     Blocks start at the release. What a mean loses of a motion at `frequency` (Hz) is put back: uncorrected, dry friction
     would be as much too small as the amplitude (4e-4 with 64 blocks a cycle). Samples that are not known, or `lost` in
-    one channel, are bridged; a block of which half is not known is not known. White noise shrinks with the root of the
-    block's length.
+    one channel, are bridged as far as they are short. White noise shrinks with the root of the block's length.
     """
     if block < 2:
         return decay, 0.0
     skipped, known = decay.start % block, decay.known
-    held = block_means(known[skipped:], block) > HELD
+    held = blocks_held(known[skipped:], block)
     changes: dict[str, object] = {
         "rate": decay.rate / block,
         "rate_std": None if decay.rate_std is None else decay.rate_std / block,

@@ -5,7 +5,7 @@ import pytest
 
 from identify.diagnosis.diagnose import diagnose
 from identify.free_decay import FreeDecay
-from identify.preprocessing.sampling import average_blocks
+from identify.preprocessing.sampling import average_blocks, blocks_held
 from mocks.generate import draw
 
 
@@ -31,3 +31,10 @@ def test_dry_friction_is_as_large_at_2000_hz_as_it_is() -> None:
         scores.append((mu_0.value - sample.truth["mu_0"]) / mu_0.std)
     # Each has a unit variance; uncorrected means move all of them by -2 to -8.
     assert abs(np.mean(scores)) < 1.5
+
+
+def test_a_block_beside_a_long_loss_is_lost_and_one_with_a_short_loss_is_not() -> None:
+    known = np.ones(40, dtype=bool)
+    known[6] = False  # one reading of the second block of five
+    known[17:24] = False  # two of the fourth, and the fifth
+    assert blocks_held(known, 5).tolist() == [True, True, True, False, False, True, True, True]
