@@ -121,11 +121,11 @@ def judgement(found: Adequacy) -> str:
 
 
 def scale_doubt(gain: Estimate) -> str:
-    """Say how uncertain forces are because the gains of the two channels differ; "" where they agree."""
-    off = abs(gain.value - 1.0)
+    """Say how uncertain forces are because the gains of the two channels differ; "" where they agree, but for a sign."""
+    off = abs(abs(gain.value) - 1.0)
     if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
         return ""
     return (
-        f"The gains of the channels differ by {100.0 * off:.2g} %: every force is uncertain by as much until both sensors "
+        f"The gains of the channels differ by {float(f'{100.0 * off:.2g}'):g} %: every force is uncertain by as much until both sensors "
         "are calibrated against one reference."
     )

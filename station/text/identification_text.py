@@ -16,7 +16,7 @@ from station.text.numbers import amplitude_words, noise_words, typeset, typeset_
 KINDS = {
     "displaced": "held away, then let go",
     "impulse": "set going by an impulse",
-    "in_motion": "already moving at the start",
+    "in_motion": "already moving",
 }
 METHODS = (("wavelet", "wavelet"), ("restoring_force", "force"))
 TONES: dict[bool | None, Tone] = {True: "good", False: "bad", None: "unsure"}
