@@ -66,6 +66,17 @@ class _Columns:
         explained = _explained_by_two(along * over, overlap * np.outer(over, over))
         return np.asarray(np.maximum(self.left - self.along[i] ** 2 - explained, 0.0))
 
+    def forwards(self, places: tuple[int, ...]) -> tuple[Begun, ...]:
+        """Return the effects of some columns; a line that would act backwards begins half a cycle later."""
+        acting = [j for j in places if j < len(self.begun)]
+        strengths = np.linalg.lstsq(self.overlap[np.ix_(acting, acting)], self.along[acting], rcond=None)[0]
+        opposite = [int(np.argmin(self.overlap[j])) for j in acting]
+        turned = [
+            o if strength < 0.0 and self.overlap[j, o] < _INDEPENDENT - 1.0 else j
+            for j, o, strength in zip(acting, opposite, strengths, strict=True)
+        ]
+        return tuple(self.begun[j] for j in turned)
+
 
 def promising_sets(
     prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
@@ -116,8 +127,7 @@ def _least(columns: _Columns, effect: NDArray[np.int64], left: Array, most: floa
         key = frozenset((int(effect[i]), m, n))
         if key not in found:
             beside = np.where((effect == m)[:, None] & (effect == n), columns.left_beside(i), np.inf)
-            places = (i, *divmod(int(np.argmin(beside)), len(beside)))
-            found[key] = tuple(columns.begun[j] for j in places if j < len(columns.begun))
+            found[key] = columns.forwards((i, *divmod(int(np.argmin(beside)), len(beside))))
     return list(found.values())
 
 

@@ -29,3 +29,11 @@ def test_where_two_effects_are_hidden_no_third_has_anything_to_explain():
 def test_three_effects_at_once_are_named_and_nothing_else():
     found = diagnose((drawn(THREE, 0.02, 71, amplitude=0.02)[0],))
     assert set(found.named) == set(THREE.split("+"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [60701, 60702, 60706])
+def test_a_line_among_three_begins_in_the_right_half_of_its_cycle(seed):
+    """Its amplitude is not negative: begun half a cycle off it is none, and a fit finds no way back."""
+    three = "end_stop+cubic_damping+harmonic_forcing"
+    assert set(diagnose((drawn(three, 0.02, seed)[0],)).named) == set(three.split("+"))
