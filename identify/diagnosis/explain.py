@@ -222,9 +222,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
     name = plain_name(best.effect.name)
-    which = (
-        f"The next best, {name}," if best.error_after >= top.error_after else f"With a constant more, {name}"
-    )
+    which = f"The next best, {name}," if best.error_after >= top.error_after else f"Less simple, {name}"
     return f"{which} would explain {share_words(share)} of it and leave {_times_the_noise(best.error_after)}."
 
 

@@ -67,14 +67,13 @@ def _of_release(
     """Estimate the state, lag, gain and offsets of one release, as if it were the only one."""
     motion, window = prepared.motion, prepared.window
     u, v = float(motion.displacement[0]), float(motion.velocity[0])
-    gain = prepared.alignment.gain.value if prepared.alignment is not None else 1.0
-    values = {"displacement": u, "velocity": v, "lag": window.lag, "gain": gain}
+    values = {"displacement": u, "velocity": v, "lag": window.lag, "gain": window.gain}
     if "displacement" in window.readings:
         values["displacement_offset"] = prepared.zero
     if "acceleration" in window.readings:
         used = window.used["acceleration"]
         values["acceleration_offset"] = float(
-            np.median((window.readings["acceleration"] - gain * motion.acceleration)[used])
+            np.median((window.readings["acceleration"] - window.gain * motion.acceleration)[used])
         )
     found = {nuisance(name): value for name, value in values.items()}
     for term in terms:

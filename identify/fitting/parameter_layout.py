@@ -165,7 +165,8 @@ class ParameterLayout:
         lag = gain = NOWHERE
         if window.paired:
             lag = own("lag", "s", 1e-2 / w, window.lag - window.lag_reach, window.lag + window.lag_reach)
-            gain = own("gain", "1", 1e-2, -20.0, 20.0)  # turned over, or in g
+            size = abs(window.gain)
+            gain = own("gain", "1", 1e-2 * size, window.gain - 5.0 * size, window.gain + 5.0 * size)
         offsets = {
             c: own(
                 f"{c}_offset",

@@ -229,7 +229,7 @@ def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: Fi
 def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Array, Array]:
     """Return the precision of a problem's unknowns from the records so far, and a root of their covariance.
 
-    (unknowns, unknowns) each. Of what belongs to the new record alone they say nothing; what lies at its bound stays there.
+    (unknowns, unknowns) each. Of what belongs to the new record alone they say nothing; what was held stays there.
     """
     shared = [i for i, u in enumerate(found.unknowns) if u.window < 0]
     names = [found.unknowns[i].name for i in shared]

@@ -67,6 +67,13 @@ def align(decay: FreeDecay) -> Alignment:
     pair = pair_of(decay)
     moving = slice(decay.start, None)
     _require_motion(pair, moving, frequency)
+    try:
+        return _aligned(pair, moving, frequency, decay.stated_lag)
+    except np.linalg.LinAlgError as error:
+        raise NotIdentifiable(TOO_LITTLE) from error
+
+
+def _aligned(pair: Pair, moving: slice, frequency: float, stated: Estimate | None) -> Alignment:
     upright, opposite = _starts(pair, moving, frequency)
     corner = _HARMONICS * frequency / pair.rate
     best = agree(pair, *upright, steps=8, corner=corner)
@@ -75,7 +82,7 @@ def align(decay: FreeDecay) -> Alignment:
         best = other if 2.0 * other.chi_square < best.chi_square else best
     pair = with_reversals(pair, best)
     found = agree(pair, best.lag, best.gain, steps=8, corner=corner)
-    return _judged(pair, found, frequency, decay.stated_lag)
+    return _judged(pair, found, frequency, stated)
 
 
 def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:

@@ -45,7 +45,8 @@ class FitWindow:
 
     `time` is the first sample's time since the release (s). `used` marks the readings that count; `sigma` is
     the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
-    `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
+    `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go; `gain` is where that for the gain
+    begins, which may be anything for a sensor turned over, or read in another unit. `gain_uncertainty` is what the
     calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
     where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
@@ -64,6 +65,7 @@ class FitWindow:
     lead: int
     lag: float = 0.0
     lag_reach: float = 0.0
+    gain: float = 1.0
     gain_uncertainty: float = 0.0
     pre_release: PreReleaseMotion | None = None
     force: Array | None = None

@@ -40,7 +40,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         length = stop - first
         if length not in usual:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
-        far = _FAR * max(sigma, step) * _amplified(length)
+        far = _FAR * max(sigma, 0.5 * step) * _amplified(length)
         limit = far if usual[length] < far else _UNUSUAL * usual[length]
         off = _off_cubic(readings[first - 2 : stop + 2], length)[0]
         sides = _off_line(readings, first, length), _off_line(readings[::-1], n - stop, length)

@@ -249,7 +249,7 @@ def _window(
     gain_uncertainty: float,
 ) -> FitWindow:
     start, length = release.settle, len(motion.displacement)
-    lag = alignment.lag.value if alignment is not None else 0.0
+    lag, gain = (alignment.lag.value, alignment.gain.value) if alignment is not None else (0.0, 1.0)
     reach = _LAG_REACH * 2.0 * np.pi / frequency
     lead = int(np.ceil((abs(lag) + 0.2 * reach) * decay.rate)) + 1 if alignment is not None else 1
     part = slice(start, start + length)
@@ -264,6 +264,7 @@ def _window(
         lead=lead,
         lag=lag,
         lag_reach=reach,
+        gain=gain,
         gain_uncertainty=gain_uncertainty,
         unit=decay.unit,
         rate_std=decay.rate_std,

@@ -42,8 +42,8 @@ class Release:
     sample of free motion; `settle` is the first sample at which the hand has surely let go (use it as the start of
     fits); `end` is one past the last sample of motion (after it the mass is stuck, or the record ends).
     `kind` is "displaced" (held away from zero, then let go), "impulse" (an initial velocity) or
-    "in_motion" (the record begins in mid-decay). `rest` is the half-open range of samples at rest
-    before it, (0, 0) when there is none.
+    "in_motion" (the record begins in mid-decay, or rises without a hand that is seen). `rest` is the half-open range of
+    samples at rest before it, (0, 0) when there is none.
     """
 
     time_s: float
@@ -221,9 +221,11 @@ def _release(
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
     n = len(channels[0].values)
     end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
-    if not found:  # free from the beginning, or once it has risen
-        start = earliest if burst.start - earliest < period else burst.start + round(period)
-        return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
+    if not found:  # free from the beginning, or once it has risen from rest
+        before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
+        rises = len(before) > 3 and np.std(before) < max(0.1 * burst.amplitude, 1.5 * channels[0].noise)
+        start = burst.start + round(period) if rises else earliest
+        return Release(start / rate, 0.0, start, start, max(end, start), "in_motion", (0, 0))
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))

@@ -131,7 +131,10 @@ def average_blocks(
     kept = float(np.sinc(block * frequency / decay.rate) / np.sinc(frequency / decay.rate))
     for name, values in (decay.channels | forces).items():
         means = block_means(bridge(values, known & ~lost.get(name, ~known))[skipped:], block)
-        changes[name] = np.mean(means) + (means - np.mean(means)) / kept
+        moving = means[(decay.start - skipped) // block :]
+        if len(moving):
+            moving += (moving - np.mean(moving)) * (1.0 / kept - 1.0)
+        changes[name] = means
     changes |= {f"noise_{name}": level / np.sqrt(block) for name, level in noise_levels(decay).items()}
     return decay.with_(**changes), (skipped + 0.5 * (block - 1)) / decay.rate
 

@@ -64,16 +64,16 @@ def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
 
     The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k). `frequency`
     is angular (rad/s), `stuck` mu_0/k and `floor` the noise of a reading as a displacement (m), of which a loud channel's
-    motion holds less. What stands out again for less than
-    two cycles is a knock, or the end of an integrated acceleration, and no motion.
+    motion holds less. What stands out again three cycles later for less than two cycles is a knock, or the end of an
+    integrated acceleration, and no motion.
     """
     floor = min(floor, motion.noise_displacement or np.inf)
     large = np.abs(motion.velocity) / frequency > 2.0 * stuck + ABOVE_NOISE * floor
     cycle = 2.0 * np.pi * motion.rate / frequency
     begin = end = count = 0
     for first, stop in runs_of(large):
-        begin, end = begin if first - end < 0.75 * cycle else first, stop
-        count = end if not count or end - begin > 2.0 * cycle else count
+        begin, end = begin if first - end < 3.0 * cycle else first, stop
+        count = end if not count or begin < count or end - begin > 2.0 * cycle else count
     return count
 
 

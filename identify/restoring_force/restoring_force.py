@@ -74,7 +74,8 @@ def identify_restoring_force(
     orders of eq. (15).
     With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
     with one more unknown, 1/m. Since the motion's parts agree with each other whatever small lag is left,
-    the lag's standard error adds nothing here. Raises NotIdentifiable when there is too little to identify.
+    the lag's standard error adds nothing here. Where viscous damping was tried and is not there, the error of dry
+    friction is that beside it. Raises NotIdentifiable when there is too little to identify.
     """
     decay, begins = block_averaged(aligned(decay))
     motion = reconstruct(decay)

@@ -40,7 +40,7 @@ _BAND = 3.0  # factor about the frequency of the ridge within which it sees anyt
 
 
 class RunsAway(NotIdentifiable):
-    """The coefficients describe no free decay: the motion grows without end, or is no number at all."""
+    """The coefficients describe no free decay: the motion grows without end, is no number, or leaves the ridge's band."""
 
     def __init__(self) -> None:
         super().__init__(

@@ -91,6 +91,7 @@ def identify_wavelet(
     velocity, else acceleration. `max_order` is the highest
     order of damping that is tried, eq. (4), `least_order` the lowest; the backbone has at least the odd `stiffness_orders`,
     as far as it can. Raises NotIdentifiable when there is too little to identify.
+    Where viscous damping was tried and is not there, the error of dry friction is that beside it.
     Standard errors come from the channel's noise (`noise_*`; measured on the window where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
@@ -101,7 +102,7 @@ def identify_wavelet(
     tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
     fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
     begins += start / decay.rate
-    return _result(decay, begins, observed, fit, misfits, reasons)
+    return _result(decay, begins, observed, fit, misfits, reasons, viscous=max_order > 0)
 
 
 def _observed(decay: FreeDecay) -> tuple[int, Observed]:
@@ -111,7 +112,8 @@ def _observed(decay: FreeDecay) -> tuple[int, Observed]:
             "a force drives the motion to the end of the record; the wavelet method needs a free decay"
         )
     (channel, samples), *others = decay.channels.items()
-    valid, alone = decay.known, decay.with_(force=None, **{name: None for name, _ in others})
+    alone = decay.with_(force=None, **{name: None for name, _ in others})
+    valid = alone.known
     noise, motion = noise_levels(alone)[channel], reconstruct(alone)
     first, stop, w = usable(alone, motion, {channel: noise}, _FEWEST_CYCLES)
     part = slice(motion.start + first, motion.start + stop)
@@ -187,8 +189,10 @@ def _result(
     fit: RidgeFit,
     misfits: tuple[float, ...],
     reasons: tuple[str, str],
+    *,
+    viscous: bool,
 ) -> WaveletResult:
-    per_mass, damping = _estimates(decay, observed, fit, viscous_tried=len(misfits) > 1)
+    per_mass, damping = _estimates(decay, observed, fit, viscous=viscous)
     stiffness = with_mass(decay, per_mass)
     computed = exact_decay(observed, fit)
     reconstruction = channel_of(computed, observed.derivatives)
@@ -220,20 +224,23 @@ def _result(
 
 
 def _estimates(
-    decay: FreeDecay, observed: Observed, fit: RidgeFit, *, viscous_tried: bool
+    decay: FreeDecay, observed: Observed, fit: RidgeFit, *, viscous: bool
 ) -> tuple[dict[int, Estimate], tuple[Estimate, ...]]:
     """Stiffness per unit mass by order, and damping, with their standard errors.
 
-    Dry friction alone has the error that it has beside viscous damping, and what that would change.
+    Where there may be `viscous` damping, dry friction alone has the error that it has beside it, and what that would change.
     """
     stiffness, damping = parameters_of(fit)
     w = fit.phase_fit.parameters[1]
     of_envelope, of_phase = spreads_of(observed, fit)
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
-    if fit.order == 0 and viscous_tried:
+    if fit.order == 0 and viscous:
         usual = replace(fit, envelope_fit=other_order(observed, fit, 1))
-        of_usual = spreads_of(observed, usual)[0][1:2] / envelope_factors(w, 0)
+        try:
+            of_usual = spreads_of(observed, usual)[0][1:2] / envelope_factors(w, 0)
+        except RunsAway:
+            of_usual = np.array([np.inf])
         damping_std = np.hypot(of_usual, parameters_of(usual)[1][:1] - damping)
     by_order = {i: (stiffness[i], std) for i, std in zip(fit.stiffness_orders, stiffness_std, strict=True)}
     return stiffnesses(decay, by_order), dampings(decay, zip(damping, damping_std, strict=True))

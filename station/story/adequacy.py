@@ -125,7 +125,8 @@ def scale_doubt(gain: Estimate) -> str:
     off = abs(abs(gain.value) - 1.0)
     if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
         return ""
+    percent = f"{100.0 * off:.2g}" if off < 1.0 else f"{100.0 * off:.0f}"
     return (
-        f"The gains of the channels differ by {float(f'{100.0 * off:.2g}'):g} %: every force is uncertain by as much until both sensors "
+        f"The gains of the channels differ by {percent} %: every force is uncertain by as much until both sensors "
         "are calibrated against one reference."
     )

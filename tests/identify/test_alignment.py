@@ -1,4 +1,5 @@
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -216,3 +217,12 @@ def test_a_stated_lag_that_contradicts_the_motion_is_said() -> None:
     assert "suspect the delays that the board states" in found.caution
     near = Estimate(found.lag.value + 1e-3, 1e-3, "s")
     assert align(decay.with_(stated_lag=near)).caution == align(decay).caution
+
+
+def test_channels_without_any_noise_are_refused_or_aligned_and_do_not_fail():
+    """A simulation of somebody else may have none: what cannot be solved is refused in words."""
+    for count in (40, 64, 100, 400):
+        time = np.arange(count) / 50.0
+        u, _, a = exponential(time, 2.0)
+        with suppress(NotIdentifiable):
+            assert abs(align(FreeDecay(50.0, displacement=u, acceleration=a)).lag.value) < 0.05

@@ -258,6 +258,14 @@ def test_a_second_release_of_less_than_the_first_is_no_beat() -> None:
     assert len(find_releases(FreeDecay(32.0, displacement=u))) == 2
 
 
+@pytest.mark.parametrize("other", [4.8, 5.2, 5.6])
+def test_a_record_that_begins_in_a_beat_begins_with_its_first_reading(other: float) -> None:
+    time = np.arange(2000) / 200.0
+    swing = np.exp(-0.15 * time) * 0.5 * (np.cos(8 * np.pi * time) + np.cos(2 * np.pi * other * time))
+    decay = FreeDecay(200.0, displacement=swing + 1e-3 * np.random.default_rng(1).standard_normal(len(time)))
+    assert find_releases(decay)[0].index == 0
+
+
 def test_noise_does_not_hide_a_slow_motion() -> None:
     """A seismometer of 9 s at 10 Hz: loud at first, so that noise of 3 Hz, weighted by the frequency, stood above it."""
     times = np.arange(415) / 10.0
