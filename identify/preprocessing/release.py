@@ -223,7 +223,7 @@ def _release(
     end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
     if not found:  # free from the beginning, or once it has risen from rest
         before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
-        rises = len(before) > 3 and np.std(before) < max(0.1 * burst.amplitude, 1.5 * channels[0].noise)
+        rises = len(before) > 3 and np.std(before) < max(0.02 * burst.amplitude, 1.5 * channels[0].noise)
         start = burst.start + round(period) if rises else earliest
         return Release(start / rate, 0.0, start, start, max(end, start), "in_motion", (0, 0))
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed

@@ -79,10 +79,10 @@ def _fill_the_disk(place: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
             raise OSError(errno.ENOSPC, "No space left on device")
         return real_write(fd, data)
 
-    def opened(path: Path, flags: int, mode: int = 0o644) -> int:
+    def opened(path: Path, flags: int) -> int:
         if flags & os.O_CREAT and path.parent == log.parent and log.exists():
             raise OSError(errno.ENOSPC, "No space left on device")
-        return real_open(path, flags, mode)
+        return real_open(path, flags)
 
     monkeypatch.setattr(raw_log.os, "write", write)
     monkeypatch.setattr(storage, "open_regular", opened)
