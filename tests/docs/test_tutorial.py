@@ -15,7 +15,7 @@ from run_notebook import executed  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
-FIGURES = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+| × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
+FIGURES = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+| × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 
 
 @pytest.fixture(scope="module")
