@@ -250,8 +250,8 @@ def _result(
     for shared in {
         one.shared for one in problem.expected
     }:  # `centred` takes the mean of its deviations as none
-        own = [one.own for one in problem.expected if one.shared == shared]
-        normal[np.ix_(own, own)] += normal[shared, shared]
+        deviations = [one.own for one in problem.expected if one.shared == shared]
+        normal[np.ix_(deviations, deviations)] += normal[shared, shared]
     normal[held], normal[:, held] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     values, vectors = np.linalg.eigh(normal / np.outer(own, own))
