@@ -247,9 +247,8 @@ def _result(
     at_bound = (theta <= problem.low) | (theta >= problem.high)
     held = np.zeros(len(theta), dtype=bool) if still is None else still
     normal = jacobian.normal()
-    for shared in {
-        one.shared for one in problem.expected
-    }:  # `centred` takes the mean of its deviations as none
+    # The readings do not tell a shared part from the mean of its deviations, which `centred` takes as none.
+    for shared in {one.shared for one in problem.expected}:
         deviations = [one.own for one in problem.expected if one.shared == shared]
         normal[np.ix_(deviations, deviations)] += normal[shared, shared]
     normal[held], normal[:, held] = 0.0, 0.0
