@@ -244,8 +244,8 @@ def _result(
     settled: bool,
     still: Mask | None = None,
 ) -> Fit:
-    at_bound = (theta <= problem.low) | (theta >= problem.high)
     held = np.zeros(len(theta), dtype=bool) if still is None else still
+    fixed = held | (theta <= problem.low) | (theta >= problem.high)
     normal = jacobian.normal()
     # The readings do not tell a shared part from the mean of its deviations, which `centred` takes as none.
     for shared in {one.shared for one in problem.expected}:
@@ -261,9 +261,7 @@ def _result(
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | held, np.inf, std)
     unidentifiable = tuple(
-        u.name
-        for u, gone, bound in zip(problem.unknowns, lost, at_bound | held, strict=True)
-        if gone and not bound
+        u.name for u, gone, bound in zip(problem.unknowns, lost, fixed, strict=True) if gone and not bound
     )
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
@@ -284,7 +282,7 @@ def _result(
             for u, t, s in zip(problem.unknowns, theta, std, strict=True)
         },
         chi_square=cost,
-        degrees=len(jacobian) - int((~(at_bound | held)).sum()),
+        degrees=len(jacobian) - int((~fixed).sum()),
         predicted=tuple(
             problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
         ),

@@ -1,6 +1,6 @@
 """The problem that a fit solves: from parameters to the misfit of predicted readings, in units of the noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,7 +62,10 @@ class Problem:
         self.longer = _FAR if far else _COARSE if coarse else 1.0
         self.layout = ParameterLayout(model, windows, frequency)
         self.unknowns = tuple(self.layout.unknowns)
-        self.system = make_system(tuple(term.force for term in self.layout.forces))
+        system = make_system(tuple(term.force for term in self.layout.forces))
+        # Steps end at reversals even where dry friction is just zero: a slope there is that of friction.
+        dry = system.has_friction or self.layout.linear[2] != NOWHERE
+        self.system = replace(system, has_friction=dry)
         self.low = np.array([u.low for u in self.unknowns])
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
@@ -134,7 +137,6 @@ class Problem:
             time=window.time,
             lag=float(lag),
             external=self._external(theta, i, extra),
-            dry=self.layout.linear[2] != NOWHERE,
         )
 
     def _external(self, theta: Array, i: int, extra: Array | None) -> Array | None:

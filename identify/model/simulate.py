@@ -310,16 +310,14 @@ def simulate(
     time: float = 0.0,
     lag: float = 0.0,
     external: Array | None = None,
-    dry: bool = False,
 ) -> Response:
     """Run the motion from `start` = (displacement m, velocity m/s) at `time` s after the release.
 
     `linear` is (k 1/s^2, mu_1 1/s, mu_0 m/s^2), negative too; `table` (slots, 6) holds the parameters of the slots, `states`
     (slots, 2) their internal states at the start; `external` (samples,) a recorded force per unit mass. Displacement
-    and velocity are read at `lag` s before each sample. A motion that diverges is filled with inf. Steps end at reversals
-    where there is friction; where it is `dry` and zero, too, as they do beside it.
+    and velocity are read at `lag` s before each sample. A motion that diverges is filled with inf.
     """
-    dry = bool(dry or linear[2] != 0.0 or system.has_friction)
+    dry = bool(linear[2] != 0.0 or system.has_friction)
     readings = np.empty((3, samples))
     forced = external is not None and len(external) > 1
     memory = system.has_memory or forced

@@ -57,9 +57,10 @@ def _off_cubic(readings: Array, length: int) -> Array:
 
 
 def _off_line(readings: Array, first: int, length: int) -> float:
-    """Return the largest distance of a run of readings from the line through two before it, as far apart as it is long."""
-    begin, end = readings[max(first - 2 - length, 0)], readings[first - 1]
-    line = end + (end - begin) / min(length + 1, first - 1) * np.arange(1.0, length + 1.0)
+    """Return the largest distance of a run of readings from the line of those before it, over as long a stretch."""
+    reach = min(length + 1, first - 1)
+    end = readings[first - 1]
+    line = end + (end - readings[first - 1 - reach]) / reach * np.arange(1.0, length + 1.0)
     return float(np.abs(readings[first : first + length] - line).max())
 
 

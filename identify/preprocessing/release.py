@@ -30,6 +30,9 @@ UNFREE_SHARE = 0.35
 BEAT_SHARE = 0.9
 """A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
+AT_REST, NOISY = 0.02, 1.5
+"""What comes before a rise is at rest up to this share of its amplitude, or up to so many times the noise."""
+
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
 
@@ -223,7 +226,7 @@ def _release(
     end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
     if not found:  # free from the beginning, or once it has risen from rest
         before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
-        rises = len(before) > 3 and np.std(before) < max(0.02 * burst.amplitude, 1.5 * channels[0].noise)
+        rises = len(before) > 3 and np.std(before) < max(AT_REST * burst.amplitude, NOISY * channels[0].noise)
         start = burst.start + round(period) if rises else earliest
         return Release(start / rate, 0.0, start, start, max(end, start), "in_motion", (0, 0))
     onset = found[-1][1]  # the highest derivative's: it shows most sharply when the force changed

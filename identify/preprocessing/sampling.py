@@ -131,7 +131,7 @@ def average_blocks(
     kept = float(np.sinc(block * frequency / decay.rate) / np.sinc(frequency / decay.rate))
     for name, values in (decay.channels | forces).items():
         means = block_means(bridge(values, known & ~lost.get(name, ~known))[skipped:], block)
-        moving = means[(decay.start - skipped) // block :]
+        moving = means[(decay.start - skipped) // block :]  # a rest has nothing to lose
         if len(moving):
             moving += (moving - np.mean(moving)) * (1.0 / kept - 1.0)
         changes[name] = means

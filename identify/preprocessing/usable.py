@@ -14,6 +14,9 @@ from identify.preprocessing.sampling import flat_frequency, too_coarse
 from identify.signal.fractional_delay import bridge
 from identify.signal.running import runs_of
 
+_APART, _LASTS = 3.0, 2.0
+"""Cycles after which a motion is another one, and that it must last to be one."""
+
 
 def usable(
     decay: FreeDecay, motion: Motion, noise: dict[str, float], fewest: float
@@ -72,8 +75,8 @@ def above(motion: Motion, frequency: float, stuck: float, floor: float) -> int:
     cycle = 2.0 * np.pi * motion.rate / frequency
     begin = end = count = 0
     for first, stop in runs_of(large):
-        begin, end = begin if first - end < 3.0 * cycle else first, stop
-        count = end if not count or begin < count or end - begin > 2.0 * cycle else count
+        begin, end = begin if first - end < _APART * cycle else first, stop
+        count = end if not count or begin < count or end - begin > _LASTS * cycle else count
     return count
 
 
