@@ -8,7 +8,7 @@ from identify.formatting import among, plain_name
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.next_release import Limits, NextRelease
-from identify.priors import DOUBT, RIVALS_WITHIN
+from identify.priors import DECIDES, DOUBT, RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
 
@@ -142,8 +142,9 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
         has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")
         laws = among([one.title for one in near])
         parts.append(f"This rig cannot exclude {laws}, which {has} more parameters and {explains} no more.")
+    named = next(one.fit for one in found.hypotheses if one.names == leading(found))
     for one in found.hypotheses:
-        if one.within and one.names[0] in found.suspects[0].rivals:
+        if one.within and one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())

@@ -104,7 +104,7 @@ def hypotheses_of(
         if suspect.corrected is not None or name in named:
             continue
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
-        if name in rivals or (suspect.plausible and few):
+        if name in rivals or (few and (suspect.plausible or _is_bounded(suspect))):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
     # Any law of a free exponent follows a guessed floor.
     one_name = len(named) == 1 and baseline.floor_is_sure
@@ -214,7 +214,7 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
     Beyond it the same force has another name: a stiffness that settles in hours drifts.
     """
     name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
-    if not (term.effect.of_time and term.effect.inner):
+    if not _is_bounded(suspect):
         return Hypothesis(name, found, 0.0)
     own = {key: estimate.value for key, estimate in found.of(term, 0).items()}
     starts = close_starts(term, scales)
@@ -232,6 +232,11 @@ def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Sca
     start = found.point | {str(term.strength): share * own[term.effect.strength.name]}
     inside = fit(model, found.windows, start, found.frequency, near=True)
     return Hypothesis(name, inside, 0.0, within=within, free=found)
+
+
+def _is_bounded(suspect: Suspect) -> bool:
+    """Check whether a suspect is held within the range of its name, where it is plausible whatever was fitted."""
+    return suspect.effect.of_time and bool(suspect.effect.inner)
 
 
 def _recorded(decay: PreparedDecay) -> float:
