@@ -51,6 +51,15 @@ class Gap:
     reason: str
 
 
+@dataclass(frozen=True)
+class Suspicion:
+    """What speaks against a recording, and what to do about it ("" for nothing); `certain` ones reject it."""
+
+    certain: bool
+    reason: str
+    advice: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Samples in SI units, shape (channels, n), at `rate` Hz; `valid` (n,) is False where they were lost.
