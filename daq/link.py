@@ -143,7 +143,10 @@ class Link:
                 frame = self.take(left)
                 hello = self._understand(frame.message) if frame is not None else None
                 if hello is not None:
-                    return self._at_rest(hello)
+                    self.assembly.end = None  # that of this STOP is waited for
+                    self.stop()
+                    self.assembly.contradictions.clear()
+                    return hello
         raise _no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
 
     def _let_a_boot_loader_pass(self) -> None:
@@ -165,13 +168,6 @@ class Link:
             raise BoardError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         described = self.assembly.description is not None
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
-
-    def _at_rest(self, hello: Hello) -> Hello:
-        """Stop a board that may still be sampling for an earlier host, and wait for the END of this STOP."""
-        self.assembly.end = None
-        self.stop()
-        self.assembly.contradictions.clear()
-        return hello
 
     def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
         """Send a request until it is answered by ACK, or by what is as good (`also`).

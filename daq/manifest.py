@@ -27,8 +27,8 @@ from daq.recording import Gap
 from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
 from daq.storage import (
+    LOCK,
     TEMPORARY,
-    Lock,
     digest,
     read_regular,
     refused,
@@ -274,7 +274,7 @@ def _compare(folder: Path, name: str, known: FileEntry) -> str:
 def _differs(path: Path, known: FileEntry) -> str:
     """Return in words how a file differs from what was written; empty when it does not."""
     try:
-        data = read_regular(path, max(known.size, 1) if known.size <= MAX_LOG else MAX_LOG)
+        data = read_regular(path, min(max(known.size, 1), MAX_LOG))
     except StationError as error:
         return str(error).removeprefix(str(path)).strip(": ")
     if len(data) != known.size:
@@ -296,7 +296,7 @@ def session_files(folder: Path) -> list[str]:
         for file in (*files, *linked):
             path = Path(top) / file
             name = path.relative_to(folder).as_posix()
-            passing = name == Lock.NAME or (file.startswith(".") and file.endswith(TEMPORARY))
+            passing = name == LOCK or (file.startswith(".") and file.endswith(TEMPORARY))
             if name != NAME and not (passing and _is_plain(path)):
                 names.append(name)
     return sorted(names)

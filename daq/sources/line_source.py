@@ -97,13 +97,12 @@ class LineSource:
         self._port = port
         self._cutter = LineCutter()
         self._unread = 0
-        self._last: dict[str, float] = {}
         self.sample = self._listen(listen_s)
         self.form = decide(self.sample)
         numbers = self.sample.columns.get(self.form.clock.column or "", np.zeros(2))
         self._numbered = bool(np.mean(np.diff(numbers) != 0) > NUMBERED)
         self._rate, self._rate_std = self._found_rate()
-        self._begin()
+        self.start()
 
     def describe(self) -> SourceDescription:
         """Return channels and rate, with a sentence on whose clock it is."""
@@ -118,7 +117,11 @@ class LineSource:
 
     def start(self) -> None:
         """Take the next line as the first sample."""
-        self._begin()
+        self._counted = CountedIndex()
+        wrap = self.form.clock.scale * 2.0**COUNTER_BITS
+        self._stamped = StampedIndex(self._rate, wrap)
+        self._lines = 0
+        self._last: dict[str, float] = {}
 
     def read(self) -> list[Reading]:
         """Return the samples of the lines that have come, a reading for each run of indices without a hole."""
@@ -146,13 +149,6 @@ class LineSource:
     def close(self) -> None:
         """Give the port back."""
         self._port.close()
-
-    def _begin(self) -> None:
-        self._counted = CountedIndex()
-        wrap = self.form.clock.scale * 2.0**COUNTER_BITS
-        self._stamped = StampedIndex(self._rate, wrap)
-        self._lines = 0
-        self._last = {}
 
     def _placed(self, line: dict[str, float]) -> tuple[int, float]:
         clock = self.form.clock
@@ -240,7 +236,8 @@ class LineSource:
         if form.rate_hz is not None:
             return form.rate_hz, 0.0
         if clock.kind == "counter":
-            number = _unwrapped(number)
+            counted = CountedIndex()
+            number = np.array([counted.next(value) for value in number], dtype=np.float64)
         late = slice(len(number) // 8, None)  # what lay in a buffer came at once
         found = fit_arrivals(number[late].astype(int).tolist(), arrivals[late].tolist())
         if found is None or not np.isfinite(found.std):
@@ -275,8 +272,3 @@ def _rate_of(times: Array) -> tuple[float, float]:
     if found is None:
         raise BoardError("the time stamps are too few or rise too unevenly to tell a rate; give --rate")
     return found.rate, found.std
-
-
-def _unwrapped(counter: Array) -> Array:
-    counted = CountedIndex()
-    return np.array([counted.next(value) for value in counter], dtype=np.float64)
