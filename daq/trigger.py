@@ -124,7 +124,6 @@ class TurningPoints:
 
     def __init__(self, history: Callable[[int, int], Array]) -> None:
         self._turns: list[Turn] = []
-        self._crossings: list[int] = []
         self._low = self._high = Turn(-1, float("nan"))
         self._direction = 0
         self._history = history
@@ -139,26 +138,17 @@ class TurningPoints:
 
     def _step(self, index: int, value: float, threshold: float) -> bool:
         """Take one sample; return whether a turning point before it is now certain."""
-        if self._low.index < 0:
-            self._low = self._high = Turn(index, value)
-        if value > self._high.value:
+        if not value <= self._high.value:  # the first is NaN
             self._high = Turn(index, value)
-        if value < self._low.value:
+        if not value >= self._low.value:
             self._low = Turn(index, value)
-        if self._direction >= 0 and self._high.value - value > threshold:
-            return self._turn(self._high, -1, Turn(index, value))
-        if self._direction <= 0 and value - self._low.value > threshold:
-            return self._turn(self._low, 1, Turn(index, value))
+        for direction, turn in ((-1, self._high), (1, self._low)):
+            if direction != self._direction and abs(value - turn.value) > threshold:
+                self._direction = direction
+                self._low = self._high = Turn(index, value)
+                self._turns = [*self._turns[-REGULAR:], turn]
+                return True
         return False
-
-    def _turn(self, turn: Turn, direction: int, now: Turn) -> bool:
-        self._direction = direction
-        if self._turns:
-            self._crossings.append(self._crossing(self._turns[-1], turn))
-        self._low = self._high = now
-        self._turns = [*self._turns[-REGULAR:], turn]
-        self._crossings = self._crossings[-REGULAR:]
-        return True
 
     def _crossing(self, before: Turn, after: Turn) -> int:
         """The last sample before `after` on the near side of the middle between the two."""
@@ -175,10 +165,11 @@ class TurningPoints:
         sizes = [abs(b - a) for a, b in pairwise(values)]
         if not all(SHRINK * a <= b <= GROWTH * a for a, b in pairwise(sizes)):
             return None
-        times = [b - a for a, b in pairwise(self._crossings)]
+        crossings = [self._crossing(a, b) for a, b in pairwise(self._turns)]
+        times = [b - a for a, b in pairwise(crossings)]
         if min(times) < 1 or max(times) > UNEVEN * min(times) + 2:
             return None
-        return FreeOscillation(tuple(self._turns), self._crossings[0], sum(times) / len(times))
+        return FreeOscillation(tuple(self._turns), crossings[0], sum(times) / len(times))
 
 
 @dataclass(frozen=True)
