@@ -94,13 +94,10 @@ def _from_json(text: str) -> dict[str, float] | None:
 
 
 def _flat(name: str, value: object) -> list[tuple[str, float]]:
-    if isinstance(value, bool):
-        return []
-    if isinstance(value, int | float):
-        number = float(value) if abs(value) < 1e300 else math.nan
-        return [(name, number)]
     if isinstance(value, list):
         return [pair for i, one in enumerate(value[:MOST_COLUMNS], 1) for pair in _flat(f"{name}.{i}", one)]
     if value is None:
-        return [(name, math.nan)]
-    return []
+        value = math.nan
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return []
+    return [(name, float(value) if abs(value) < 1e300 else math.nan)]
