@@ -224,13 +224,13 @@ def verify(folder: Path) -> Verification:
     Plain files in `results` that the manifest does not know are remarks; elsewhere they are problems, as links,
     pipes and devices are everywhere. A change by another process is waited for. Never raises for what is in the folder.
     """
-    for _ in range(LOOKS - 1):
+    for _ in range(LOOKS):
         before = _state(folder)
         found = _verify_once(folder)
         if found.ok or (_state(folder) == before and not any(CUT_OFF in p for p in found.problems)):
-            return found
+            break
         time.sleep(LOOK_AGAIN_S)
-    return _verify_once(folder)
+    return found
 
 
 def _state(folder: Path) -> tuple[int, int] | None:
