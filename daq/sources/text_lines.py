@@ -28,16 +28,11 @@ class LineCutter:
     def feed(self, data: bytes) -> list[str]:
         """Return the lines that are complete now."""
         *whole, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST:
-            self._rest, self._skipping = b"", True
-            return self._text(whole)
         if whole and self._skipping:
             whole, self._skipping = whole[1:], False
-        return self._text(whole)
-
-    @staticmethod
-    def _text(lines: list[bytes]) -> list[str]:
-        return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in lines if len(line) <= LONGEST]
+        if len(self._rest) > LONGEST:
+            self._rest, self._skipping = b"", True
+        return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in whole if len(line) <= LONGEST]
 
 
 def parse_line(text: str) -> dict[str, float] | None:
