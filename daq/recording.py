@@ -9,6 +9,7 @@ from daq.plain_text import one_line
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from daq.recording import Array, Mask
+from daq.recording import Array, Index, Mask
 
-Index = NDArray[np.int64]
 EACH = slice(None)
 
 SHARE = 0.2

@@ -1,8 +1,7 @@
 """From a table to its recordings, by a recipe alone: nothing is guessed here."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -111,7 +110,7 @@ def stated(table: Table) -> tuple[str, ...]:
     return table.stated or tuple(sorted({one_line(c.unit) for c in table.columns if c.unit}))
 
 
-def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[int, Column]]]:
+def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, Mapping[int, Column]]]:
     """Return the table and the fields of each run that the recipe reads."""
     fields = {n: f for n, f in matched(table, recipe).items() if f.role != "ignored"}
     columns = [c for c in table.columns if c.number in fields]
@@ -144,9 +143,7 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
                 "it holds one recording: leave --run out",
             )  # fmt: skip
         tables = kept
-    return [
-        (_noted(run), MappingProxyType({c.number: fields[c.number] for c in run.columns})) for run in tables
-    ]
+    return [(_noted(run), {c.number: fields[c.number] for c in run.columns}) for run in tables]
 
 
 def _noted(run: Table) -> Table:
@@ -163,7 +160,7 @@ def _side_by_side(
     return part_of(table, name, own, rows_of(own, [c for c in own if fields[c.number].role == "time"]))
 
 
-def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str, Reading]:
+def readings_of(table: Table, fields: Mapping[int, Column]) -> dict[str, Reading]:
     """Return the readings of one run by their quantity. Raises ImportProblem when two columns are one quantity."""
     found: dict[str, Reading] = {}
     for column in table.columns:
@@ -204,7 +201,7 @@ def _angle(table: Table, x: Reading, y: Reading) -> Reading:
     return Reading(angle, Unit(1.0, "rad", "displacement"), x.field)
 
 
-def _recordings(table: Table, fields: MappingProxyType[int, Column], recipe: Recipe) -> list[Recording]:
+def _recordings(table: Table, fields: Mapping[int, Column], recipe: Recipe) -> list[Recording]:
     """Return the recordings of one run: one, or one for each part that the recipe cuts."""
     readings = readings_of(table, fields)
     values = np.array([readings[q].in_si(table, q) for q in ORDER if q in readings])

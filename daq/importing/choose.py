@@ -42,17 +42,14 @@ def choose_columns(
     labels = {c.label.strip() for c in table.columns} - {""}
     likely = [c for c in table.columns if c.label[:1] != "d" or c.label.strip().lstrip("d") not in labels]
     chosen: dict[str, SourceColumn] = {}
-    for quantity, wanted in options.columns.items():
-        if str(wanted).strip().lower() != NONE:
-            column = named(table, wanted, quantity)
-            other = next((q for q, c in chosen.items() if c is column), None)
-            if other is not None:
-                raise problem(
-                    table.path,
-                    f"{column.place} cannot be both {other} and {quantity}",
-                    "name another one for one of them",
-                )
-            chosen[quantity] = column
+    for quantity, wanted in options.named.items():
+        column = named(table, wanted, quantity)
+        other = next((q for q, c in chosen.items() if c is column), None)
+        if other is not None:
+            raise problem(
+                table.path, f"{column.place} cannot be both {other} and {quantity}", "name another one for one of them"
+            )  # fmt: skip
+        chosen[quantity] = column
     beside = any(quantity in chosen for quantity in MOTIONS)
     for quantity in QUANTITIES:
         if quantity in options.columns or (quantity == "time" and options.rate is not None):

@@ -37,8 +37,6 @@ _EXAMPLES = {
     "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
 }  # fmt: skip
 
-Notes = Mapping[str, tuple[str, ...]]
-
 
 @dataclass(frozen=True)
 class Proposal:
@@ -47,7 +45,7 @@ class Proposal:
     """
 
     recipe: Recipe
-    notes: Notes
+    notes: Mapping[str, tuple[str, ...]]
     doubts: tuple[str, ...] = ()
 
 
@@ -182,7 +180,7 @@ def _derived(runs: Sequence[_Run], options: ImportOptions) -> dict[str, str]:
             continue
         if is_difference(one.values, two.values, order):
             found[target] = f"its numbers are a finite difference of the {source}, not a sensor of its own"
-        elif two.said.derived and target not in options.columns:
+        elif two.said.derived and target not in options.named:
             found[target] = f"its name says that it is derived, and the {source} is there"
     return found
 
@@ -245,7 +243,7 @@ def _unit_of(
             + (f", though its header says {written}" if other else "")
         )
         return text
-    asked = ", chosen by the options" if quantity in options.columns else ""
+    asked = ", chosen by the options" if quantity in options.named else ""
     if said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
         return said.unit_text
@@ -275,11 +273,11 @@ def _of_one_kind(
     """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
     units = {q: parse_scaled_unit(text) or SI_LINEAR[q] for q, text in spelled.items()}
     kinds = [q for q in QUANTITIES[1:] if q in columns and units[q].quantity is not None]
-    lead = next((q for q in kinds if q in options.columns), kinds[0] if kinds else "")
+    lead = next((q for q in kinds if q in options.named), kinds[0] if kinds else "")
     left = [q for q in kinds if units[q].angular != units[lead].angular]
     for quantity in left:
         said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
         notes.append(f"{columns[quantity].place} was left out: {said} would mix an angle with a length")
-        if (quantity in options.columns) == (lead in options.columns):
+        if (quantity in options.named) == (lead in options.named):
             doubts.append(f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)})")
     return {q: column for q, column in columns.items() if q not in left}

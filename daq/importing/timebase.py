@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.column_numbers import quantum
 from daq.importing.errors import ImportProblem, place, problem
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
-from daq.recording import Array, Gap, Mask, runs
-
-Index = NDArray[np.int64]
+from daq.recording import Array, Gap, Index, Mask, runs
 
 USE_RATE = "leave the stamps out by giving the rate with --rate"
 OFTEN_EQUAL = 0.25
