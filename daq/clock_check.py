@@ -6,9 +6,11 @@ The result is always a number. Whatever was not checked may be wrong, so the les
 from dataclasses import dataclass
 from math import isfinite
 
-from daq.clock import ClockFit, Unevenness
+import numpy as np
+
+from daq.clock import ClockFit, lasting_step
 from daq.decode import BOARD, Assembly
-from daq.wiring_check import Suspicion
+from daq.recording import Suspicion
 
 CLOCK_LIMIT = 0.005
 """Share by which the rate of a good recording may be off: 1 % of its stiffness. Values of a worse one are not quoted."""
@@ -116,7 +118,7 @@ def _against(host: ClockFit, rate: float, stated_ppm: float | None) -> float:
 def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
     """Return the difference of the board's times from its indices in the recording, as a share of a second."""
     store, rate = assembly.samples, assembly.rate
-    if assembly.origin == BOARD and store.clock_stands_still():
+    if assembly.origin == BOARD and len(store.stamps) > 1 and len(set(store.stamps.values())) == 1:
         said.append(
             Suspicion(
                 False,
@@ -143,7 +145,8 @@ def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:
 
 def _lasting_step(assembly: Assembly, said: list[Suspicion]) -> float:
     """Return the lasting shift of the arrivals within the recording, as a share of a second."""
-    found: Unevenness | None = assembly.samples.lasting_step()
+    arrivals = assembly.samples.arrivals
+    found = lasting_step([stop for _, stop, _ in arrivals], [time for *_, time in arrivals])
     if found is None or found.index <= assembly.start or found.after >= assembly.stop:
         return 0.0
     between = (found.after - assembly.start) / assembly.rate, (found.index - assembly.start) / assembly.rate
@@ -162,7 +165,7 @@ def _statements(assembly: Assembly, said: list[Suspicion]) -> None:
     """Say what the board states of its clock that cannot be, and DATA that hold more than the protocol allows."""
     if assembly.clock_claim:
         said.append(Suspicion(False, assembly.clock_claim, "correct CLOCK of the firmware"))
-    held = assembly.samples.usual_length()
+    held = float(np.median([count for count, *_ in assembly.samples.arrivals] or [0]))
     if assembly.origin == BOARD and held > max(LONGEST_DATA_S * assembly.rate, 1.0) + 1.0:
         text = (
             f"each DATA holds {held:g} samples, {held / assembly.rate:.3g} s; the protocol allows {LONGEST_DATA_S:g} s, so"

@@ -75,8 +75,6 @@ def gain_steps(x: Array, period: float, moving: Mask) -> tuple[Step, ...]:
     hop, apart = max(whole // PIECES, 1), round(1.5 * PIECES)
     pair = x[begin + whole : end], x[begin : end - whole]
     slope, in_phase = (_slopes(*pair, whole, hop, share) for share in (AGREE, SAME_PHASE))
-    if len(slope) <= 2 * apart:
-        return ()
     goes_on = np.abs(np.log(slope)) < STRAIGHT
     if goes_on.sum() < SMOOTH * len(slope):
         return ()

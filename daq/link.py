@@ -1,10 +1,12 @@
 """The conversation with a board: frames taken as they come, and requests that are answered.
 
-Everything but the reading (see `frame_reader`) happens in the caller's thread, in `take`, `request` and what
-builds on them. No wait is unbounded.
+A thread reads, writes the bytes to the raw log, cuts them into frames and queues these. All else happens in the caller's
+thread, in `take`, `request` and what builds on them. No wait is unbounded.
 """
 
 import itertools
+import queue
+import threading
 import time
 from collections.abc import Callable
 from typing import Self
@@ -16,7 +18,6 @@ from daq.errors import (
     PortError,
     StationError,
 )
-from daq.frame_reader import FrameReader
 from daq.plain_text import one_line
 from daq.port import Port, may_have_reset_the_board
 from daq.raw_log import Kind, RawLog
@@ -28,6 +29,7 @@ from firmware_protocol import (
     Ack,
     Config,
     Data,
+    Decoder,
     Describe,
     Frame,
     Hello,
@@ -52,6 +54,70 @@ WARN_S = 0.5
 ALIVE_S = 0.5
 GIVE_UP_S = 2.0
 NOISE_PIECES = 10
+MOST_BYTES = 1 << 22
+
+
+class FrameReader:
+    """Frames from a port with the host's times of their arrival, in order; `close` ends the thread.
+
+    Reading ends when the log has grown by `most_bytes`: what is still to be had then is refused in `take`.
+    """
+
+    def __init__(self, port: Port, log: RawLog) -> None:
+        self.most_bytes = MOST_BYTES
+        self._begun = log.size
+        self._port = port
+        self._log = log
+        self.decoder = Decoder()
+        self._queue: queue.SimpleQueue[tuple[float, Frame] | StationError] = queue.SimpleQueue()
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._read, name=f"reader of {port.name}", daemon=True)
+        self._start()
+
+    def _start(self) -> None:
+        self._thread.start()
+
+    def take(self, timeout: float) -> tuple[float, Frame] | None:
+        """Return the next frame and its time (s); None when none came within `timeout` s.
+
+        Raises LinkLost once everything that came before it was taken.
+        """
+        try:
+            item = self._queue.get(timeout=timeout)
+        except queue.Empty:
+            return None
+        if isinstance(item, StationError):
+            self._queue.put(item)  # nothing comes after it, whoever asks again
+            raise item
+        return item
+
+    def close(self) -> None:
+        """Stop reading."""
+        self._stopping.set()
+        self._thread.join(timeout=2.0)
+
+    def _read(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                self.read_once()
+        except StationError as error:
+            self._queue.put(error)
+        except Exception as error:
+            self._queue.put(LinkLost(f"{self._port.name} cannot be read any more ({error})"))
+
+    def read_once(self) -> int:
+        """Take what the port has, log it and queue its frames; return how many bytes it was."""
+        data = self._port.read()
+        if data:
+            when = self._log.append(Kind.RECEIVED, data)
+            for frame in self.decoder.feed(data):
+                self._queue.put((when, frame))
+            if self._log.size - self._begun > self.most_bytes:
+                raise BoardError(
+                    f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than the request can"
+                    " need; check baud rate and port, or the board's firmware"
+                )
+        return len(data)
 
 
 class Link:
@@ -82,7 +148,7 @@ class Link:
     @property
     def statistics(self) -> Statistics:
         """What the decoder counted."""
-        return self._reader.statistics
+        return self._reader.decoder.statistics
 
     def allow(self, log_bytes: int) -> None:
         """Let the log grow by so many bytes from its beginning; 4 MB are allowed before this."""
@@ -143,7 +209,10 @@ class Link:
                 frame = self.take(left)
                 hello = self._understand(frame.message) if frame is not None else None
                 if hello is not None:
-                    return self._at_rest(hello)
+                    self.assembly.end = None  # that of this STOP is waited for
+                    self.stop()
+                    self.assembly.contradictions.clear()
+                    return hello
         raise _no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
 
     def _let_a_boot_loader_pass(self) -> None:
@@ -165,13 +234,6 @@ class Link:
             raise BoardError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         described = self.assembly.description is not None
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
-
-    def _at_rest(self, hello: Hello) -> Hello:
-        """Stop a board that may still be sampling for an earlier host, and wait for the END of this STOP."""
-        self.assembly.end = None
-        self.stop()
-        self.assembly.contradictions.clear()
-        return hello
 
     def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
         """Send a request until it is answered by ACK, or by what is as good (`also`).

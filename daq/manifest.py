@@ -27,8 +27,8 @@ from daq.recording import Gap
 from daq.sensor_faults import FlaggedRun
 from daq.session_info import State
 from daq.storage import (
+    LOCK,
     TEMPORARY,
-    Lock,
     digest,
     read_regular,
     refused,
@@ -224,13 +224,13 @@ def verify(folder: Path) -> Verification:
     Plain files in `results` that the manifest does not know are remarks; elsewhere they are problems, as links,
     pipes and devices are everywhere. A change by another process is waited for. Never raises for what is in the folder.
     """
-    for _ in range(LOOKS - 1):
+    for _ in range(LOOKS):
         before = _state(folder)
         found = _verify_once(folder)
         if found.ok or (_state(folder) == before and not any(CUT_OFF in p for p in found.problems)):
-            return found
+            break
         time.sleep(LOOK_AGAIN_S)
-    return _verify_once(folder)
+    return found
 
 
 def _state(folder: Path) -> tuple[int, int] | None:
@@ -274,7 +274,7 @@ def _compare(folder: Path, name: str, known: FileEntry) -> str:
 def _differs(path: Path, known: FileEntry) -> str:
     """Return in words how a file differs from what was written; empty when it does not."""
     try:
-        data = read_regular(path, max(known.size, 1) if known.size <= MAX_LOG else MAX_LOG)
+        data = read_regular(path, min(max(known.size, 1), MAX_LOG))
     except StationError as error:
         return str(error).removeprefix(str(path)).strip(": ")
     if len(data) != known.size:
@@ -296,7 +296,7 @@ def session_files(folder: Path) -> list[str]:
         for file in (*files, *linked):
             path = Path(top) / file
             name = path.relative_to(folder).as_posix()
-            passing = name == Lock.NAME or (file.startswith(".") and file.endswith(TEMPORARY))
+            passing = name == LOCK or (file.startswith(".") and file.endswith(TEMPORARY))
             if name != NAME and not (passing and _is_plain(path)):
                 names.append(name)
     return sorted(names)

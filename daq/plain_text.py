@@ -6,7 +6,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, ValidationError
 
-from firmware_protocol import Event, Hello, Log, Message, Nack
+from firmware_protocol import Message
 
 _M = TypeVar("_M", bound=Message)
 
@@ -22,8 +22,6 @@ def one_line(text: str) -> str:
 
 def in_one_line(message: _M) -> _M:
     """Return a message of a board with each of its texts in one line; those of DESCRIBE are made so in its `Channel`s."""
-    if not isinstance(message, Hello | Event | Log | Nack):
-        return message
     texts: dict[str, Any] = {
         field.name: one_line(text)
         for field in fields(message)

@@ -97,9 +97,8 @@ def _open(name: str, baud: int) -> Any:
 def _why(name: str, error: Exception) -> PortError:
     code = getattr(error, "errno", None)
     text = str(error).lower()
-    if code in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in text or "busy" in text:
-        return PortBusy(f"{name}: another program has this port; close it and try again")
-    if sys.platform == "win32" and "permissionerror" in text:
+    taken = code in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in text or "busy" in text
+    if taken or (sys.platform == "win32" and "permissionerror" in text):
         return PortBusy(f"{name}: another program has this port; close it and try again")
     if code in (errno.EACCES, errno.EPERM) or "permission" in text:
         return PortError(

@@ -75,14 +75,10 @@ def choose_port(name: str | None, candidates: Callable[[], tuple[Candidate, ...]
         return answering[0]
     if answering:
         raise PortError(f"{len(answering)} boards answer ({', '.join(answering)}); name one of them")
-    raise PortError(_nobody(found))
-
-
-def _nobody(found: tuple[Candidate, ...]) -> str:
     if not found:
-        return "this computer has no serial port; plug the board in, or name a port"
+        raise PortError("this computer has no serial port; plug the board in, or name a port")
     names = ", ".join(candidate.port.name for candidate in found[:5])
-    return f"no board answers at {names}; plug it in, or name its port"
+    raise PortError(f"no board answers at {names}; plug it in, or name its port")
 
 
 @dataclass(frozen=True)

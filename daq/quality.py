@@ -13,23 +13,19 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
-from daq.recording import Array, Channel, Gap, Recording
+from daq.importing.options import QUANTITIES
+from daq.importing.units import SI_ANGULAR, SI_LINEAR
+from daq.recording import Array, Channel, Gap, Recording, Suspicion
 from daq.sensor_faults import SensorFaults, sensor_faults
-from daq.wiring_check import Suspicion, suspicions
 from firmware_protocol import End, EventKind
 
-UNITS = {
-    "displacement": ("m", "rad"),
-    "velocity": ("m/s", "rad/s"),
-    "acceleration": ("m/s^2", "rad/s^2"),
-    "force": ("N", "N m"),
-}
-"""Units that the protocol lists for each quantity."""
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 MOTION_TO_NOISE = 20.0
 EARLY_SHARE = 0.1
 EARLY_SWING = 0.25
+SCALE_LIMIT = 1.75
+SHORTEST = 32
 
 
 class Grade(StrEnum):
@@ -76,7 +72,7 @@ def judge(
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         found += _one_channel(channel, samples[recording.valid], (noise or {}).get(channel.name))
     found += (sensors or sensor_faults(recording, assembly)).suspicions
-    found += (*_start(recording), *_kinematics(recording))
+    found += (*_start(recording), *wiring(recording))
     remarks: list[str] = []
     if assembly is not None:
         found += _board_reports(assembly)
@@ -150,19 +146,65 @@ def _start(recording: Recording) -> Iterator[Suspicion]:
         yield Suspicion(False, f"only {trigger / recording.rate:.2f} s were recorded before the release")
 
 
-def _kinematics(recording: Recording) -> Iterator[Suspicion]:
-    """Hold the two channels of a free oscillation against each other."""
+def wiring(recording: Recording) -> Iterator[Suspicion]:
+    """Hold the two channels of a free oscillation against each other.
+
+    About a spring's rest the acceleration opposes the displacement: a sign that does not is reversed. A
+    correlation near zero means that the two measure different things. A channel that does not move at all
+    says nothing of the other.
+    """
     displacement, acceleration = recording.channel("displacement"), recording.channel("acceleration")
-    if displacement is not None and acceleration is not None:
-        good = np.flatnonzero(recording.valid)
-        good = good[good >= (recording.trigger or 0)]
-        yield from suspicions(displacement[good], acceleration[good], recording.rate)
+    if displacement is None or acceleration is None:
+        return
+    good = np.flatnonzero(recording.valid)
+    good = good[good >= (recording.trigger or 0)]
+    displacement, acceleration = displacement[good], acceleration[good]
+    if len(displacement) < SHORTEST or not (np.ptp(displacement) and np.ptp(acceleration)):
+        return
+    with np.errstate(over="ignore", invalid="ignore"):  # a file may hold numbers near the largest
+        x = displacement - displacement[-len(displacement) // 8 :].mean()
+        a = acceleration - acceleration.mean()
+        power = float(np.sqrt((x @ x) * (a @ a)))
+    if not np.isfinite(power):
+        return
+    correlation = float(x @ a) / power if power > 0 else 0.0
+    if correlation > 0.5:
+        text = "displacement and acceleration have the same sign: one of them is reversed"
+        yield Suspicion(True, text, "turn one sensor round, or change the sign of its scale")
+    elif correlation > -0.5:
+        text = (
+            f"displacement and acceleration hardly agree (correlation {correlation:.2f}, near -1 expected):"
+        )
+        text += " swapped, or on different masses"
+        yield Suspicion(False, text, "check which sensor is on which channel")
+    else:
+        ratio = _ratio(x, a, recording.rate)
+        if not 1 / SCALE_LIMIT < ratio < SCALE_LIMIT:
+            text = f"the acceleration is {ratio:.3g} times the value that displacement and frequency give:"
+            text += " channels are swapped, or a scale is wrong"
+            yield Suspicion(True, text, "check which sensor is on which channel, and the scales")
+
+
+def _ratio(x: Array, a: Array, rate: float) -> float:
+    """Return a/x over the square of the frequency at which x crosses its middle, while it is above a fifth of its largest.
+
+    1 where it hardly crosses.
+    """
+    threshold = 0.2 * np.abs(x).max()
+    big = np.flatnonzero(np.abs(x) > threshold)
+    crossings = int(np.count_nonzero(np.diff(np.sign(x[big]))))
+    if crossings < 4 or len(big) < 16:
+        return 1.0
+    omega = np.pi * crossings / ((big[-1] - big[0]) / rate)
+    return float(np.sqrt((a @ a) / (x @ x)) / omega**2)
 
 
 def _units(recording: Recording) -> Iterator[Suspicion]:
     for channel in recording.channels:
-        units = UNITS.get(channel.quantity)
-        if units and channel.unit not in units:
+        if channel.quantity not in QUANTITIES[1:]:
+            continue
+        units = SI_LINEAR[channel.quantity].si, SI_ANGULAR[channel.quantity].si
+        if channel.unit not in units:
             text = f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
             text += f" {' or '.join(units)}; its numbers were taken as they are"
             yield Suspicion(False, text, "put the factor to SI units into `scale` of the firmware")

@@ -66,8 +66,8 @@ class RawRecords:
     """What a log holds: whole records in order, `damaged` pieces skipped, `cut` bytes after the last one."""
 
     records: tuple[Record, ...]
-    damaged: int = 0
-    cut: int = 0
+    damaged: int
+    cut: int
 
 
 _EPOCH = time.time() - time.monotonic()

@@ -78,14 +78,9 @@ class _Course:
     noise: Array
     period: float
 
-    @property
-    def steady(self) -> Mask:
-        everywhere = np.arange(len(self.x))
-        return self.swing.steady(everywhere, everywhere)
-
 
 def flag_readings(
-    samples: Array, valid: Mask, period: float, moves_until: int = 0, released: int | None = None
+    samples: Array, valid: Mask, period: float, moves_until: int, released: int | None
 ) -> Flagged:
     """Return the flags of one channel, shape (n,), that oscillates with about this `period` (samples).
 
@@ -101,14 +96,13 @@ def flag_readings(
     fresh[1:] &= x[1:] != x[:-1]
     noise = np.hypot(noise_of(filled(x, fresh), swing, period), 0.5 * usual_gap(x))
     course = _Course(x, valid, fresh, swing, noise, period)
-    missed = _misses(course, x, fresh, course.steady)
+    missed = _misses(course, x, fresh, swing.steady())
     spikes = _spikes(course, filled(x, valid & ~missed)) & ~missed
     held = _long_holds(course, moves_until) | _too_often(course)
     flat = _flat_tops(course, fresh & ~spikes, missed | held)
     held = (held | missed & ~_recurring(x, missed, period)) & ~spikes & ~flat
     masks = {Flag.WRAPPED: wrapped, Flag.SPIKE: spikes, Flag.SATURATED: flat} | _holds(held, period)
-    moving = swing.steady(np.arange(len(x)), np.arange(len(x)), FAINT)
-    return Flagged(masks, filled(x, valid & ~held & ~flat & ~spikes), moving)
+    return Flagged(masks, filled(x, valid & ~held & ~flat & ~spikes), swing.steady(share=FAINT))
 
 
 def _misses(course: _Course, x: Array, keep: Mask, moves: Mask, share: float = 0.0) -> Mask:
@@ -117,12 +111,10 @@ def _misses(course: _Course, x: Array, keep: Mask, moves: Mask, share: float = 0
     It may do so by rounding, noise and its own error on a sine of this period, and by this share of the half swing.
     """
     off = np.zeros(len(x), dtype=np.bool_)
-    at = np.flatnonzero(~keep & moves)
-    nodes, there = nodes_of(keep, at)
-    at, nodes = at[there], nodes[there]
+    at, nodes = nodes_of(keep, np.flatnonzero(~keep & moves))
     if not len(at):
         return off
-    weights = weights_of(nodes.astype(float), at.astype(float))
+    weights = weights_of(nodes, at)
     half = course.swing.half[at]
     turn = np.exp(2j * np.pi * (nodes - at[:, None]) / course.period)
     own = OWN_ERRORS * half * np.abs((weights * turn).sum(axis=1) - 1.0)
@@ -146,7 +138,7 @@ def _too_often(course: _Course) -> Mask:
     spread = np.sqrt(2.0 * course.noise**2 + step**2 / 6.0)
     by_noise = step / (np.sqrt(2.0 * np.pi) * spread) * np.exp(-0.5 * (slope / spread) ** 2)
     odds = np.maximum(by_noise, 1.0 - slope / step)
-    fast = course.steady & course.valid & (odds < LIKELY)
+    fast = course.swing.steady() & course.valid & (odds < LIKELY)
     repeats = fast & ~course.fresh
     count = repeats.sum()
     often = count > MORE_OFTEN * float(odds[fast].sum()) + FEWEST and count > LEAST_SHARE * fast.sum()
@@ -175,8 +167,6 @@ def _flat_tops(course: _Course, fresh: Mask, held: Mask) -> Mask:
     x = course.x
     flat = np.zeros(len(x), dtype=np.bool_)
     moves = 2.0 * course.swing.half > course.swing.enough
-    if not moves.any():
-        return flat
     for sign in (1.0, -1.0):
         edge = float((sign * x)[moves & (fresh | held)].max(initial=-np.inf))
         near = np.asarray(sign * x >= edge - NOISES * course.noise)

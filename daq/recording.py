@@ -9,6 +9,7 @@ from daq.plain_text import one_line
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
@@ -49,6 +50,15 @@ class Gap:
     first: int
     count: int
     reason: str
+
+
+@dataclass(frozen=True)
+class Suspicion:
+    """What speaks against a recording, and what to do about it ("" for nothing); `certain` ones reject it."""
+
+    certain: bool
+    reason: str
+    advice: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,12 @@
 import time
 from contextlib import suppress
 
-from daq.capture_settings import HOLD_FOR_S
 from daq.errors import BoardError, OperatorError, StationError
 from daq.link import WARN_S, Link
 from firmware_protocol import NO_SAMPLE, HelloRequest, Hold, Holder, HolderReason, HolderState, Release, Stop
 
 ASKED = 3
+HOLD_FOR_S = 60.0
 _WHY = {
     HolderReason.BOOT: "its board restarted",
     HolderReason.STOP: "it was told to stop",
@@ -37,21 +37,16 @@ class Rig:
         assert report is not None
         return report
 
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Least and greatest displacement that the board holds, m."""
-        return self.report.low, self.report.high
-
     def require(self, displacement: float) -> None:
         """OperatorError for a displacement (m) beyond the limits."""
-        low, high = self.limits
+        low, high = self.report.low, self.report.high
         if not low <= displacement <= high:
             raise OperatorError(
                 f"{1e3 * displacement:g} mm is outside the range of this rig, {1e3 * low:g} to {1e3 * high:g} mm;"
                 " nothing was moved"
             )
 
-    def hold(self, displacement: float, seconds: float = HOLD_FOR_S) -> None:
+    def hold(self, displacement: float) -> None:
         """Take the mass, at rest, to a displacement (m) and return once it is held there.
 
         OperatorError beyond the limits, BoardError on NACK, or when the rig lets go on the way or does not arrive
@@ -61,13 +56,13 @@ class Rig:
         ticket = self._fresh().ticket
         self._link.keep_alive = True
         self._link.request(Hold(ticket, displacement))
-        until = time.monotonic() + seconds
+        until = time.monotonic() + HOLD_FOR_S
         while (state := self.report.state) is not HolderState.HELD:
             self._require(state is HolderState.MOVING or self.report.ticket == ticket)
             if time.monotonic() > until:
                 self.stop()
                 raise BoardError(
-                    f"the rig did not arrive at {1e3 * displacement:g} mm within {seconds:g} s and was told to stop;"
+                    f"the rig did not arrive at {1e3 * displacement:g} mm within {HOLD_FOR_S:g} s and was told to stop;"
                     " nothing was released. Check what blocks it"
                 )
             if self._link.wait(lambda message: isinstance(message, Holder), WARN_S) is None:

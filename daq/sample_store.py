@@ -6,7 +6,7 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.clock import ClockFit, Unevenness, fit_arrivals, fit_clock, lasting_step, unevenness
+from daq.clock import ClockFit, Unevenness, fit_arrivals, fit_clock, unevenness
 from daq.recording import Gap, Mask, runs
 from firmware_protocol import Data
 
@@ -19,6 +19,8 @@ class SampleStore:
 
     All DATA have the same channels and number format. `received` is how many samples are held, `duplicates` the frames
     that brought nothing new, `differing` where a later copy of samples was not the same, as (first, count).
+    `stamps` are the board's times (us) of the first samples of messages; `arrivals` say of each message how many samples it
+    brought, the one after them, and when it came (s).
     """
 
     def __init__(self) -> None:
@@ -27,8 +29,8 @@ class SampleStore:
         self.differing: list[tuple[int, int]] = []
         self._bytes = bytearray()  # of each sample, zeros where it is missing
         self._held = bytearray()  # 1 for each sample that is held
-        self._stamps: dict[int, int] = {}
-        self._arrivals: list[tuple[int, int, float]] = []  # how many, the one after them, when they came
+        self.stamps: dict[int, int] = {}
+        self.arrivals: list[tuple[int, int, float]] = []
 
     @property
     def expected(self) -> int:
@@ -61,9 +63,9 @@ class SampleStore:
             self._bytes[(first + a) * size : (first + b) * size] = data.samples[a * size : b * size]
             self._held[first + a : first + b] = b"\1" * (b - a)
             self.received += b - a
-        self._stamps.setdefault(first, data.board_time_us)
+        self.stamps.setdefault(first, data.board_time_us)
         if isfinite(time):
-            self._arrivals.append((data.n, stop, time))
+            self.arrivals.append((data.n, stop, time))
         return new
 
     def _compare(self, data: Data, held: Mask, size: int) -> None:
@@ -99,29 +101,17 @@ class SampleStore:
 
     def board_clock(self) -> ClockFit | None:
         """The rate by the board's own times of its samples; None with too few."""
-        return fit_clock(list(self._stamps), [us * 1e-6 for us in self._stamps.values()])
-
-    def clock_stands_still(self) -> bool:
-        """Check whether the board gave all its samples one time."""
-        return len(self._stamps) > 1 and len(set(self._stamps.values())) == 1
+        return fit_clock(list(self.stamps), [us * 1e-6 for us in self.stamps.values()])
 
     def unevenness(self, first: int, stop: int) -> Unevenness | None:
         """How far the board's times about samples `first` to `stop - 1` part from even ones; None with too few."""
-        known = sorted(self._stamps)
+        known = sorted(self.stamps)
         known = known[max(bisect_right(known, first) - 1, 0) : bisect_right(known, stop - 1) + 1]
-        return unevenness(known, [self._stamps[index] for index in known])
+        return unevenness(known, [self.stamps[index] for index in known])
 
     def host_clock(self) -> ClockFit | None:
         """The rate by the times at which samples reached the host before END; None with too few."""
-        return fit_arrivals([stop for _, stop, _ in self._arrivals], [time for *_, time in self._arrivals])
-
-    def lasting_step(self) -> Unevenness | None:
-        """Where samples begin to reach the host later, or earlier, for good; None where they do not."""
-        return lasting_step([stop for _, stop, _ in self._arrivals], [time for *_, time in self._arrivals])
-
-    def usual_length(self) -> float:
-        """How many samples a DATA message holds, the median; 0 without any."""
-        return float(np.median([count for count, *_ in self._arrivals])) if self._arrivals else 0.0
+        return fit_arrivals([stop for _, stop, _ in self.arrivals], [time for *_, time in self.arrivals])
 
 
 class Losses:

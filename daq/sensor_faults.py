@@ -9,9 +9,8 @@ from pydantic import BaseModel, ConfigDict
 from daq.cycle_gains import Step, cycle_length, gain_steps
 from daq.decode import Assembly
 from daq.reading_flags import Flag, Flagged, flag_readings
-from daq.recording import MOTIONS, Array, Channel, Mask, Recording, runs
+from daq.recording import MOTIONS, Array, Channel, Mask, Recording, Suspicion, runs
 from daq.smooth_course import last_moving
-from daq.wiring_check import Suspicion
 from firmware_protocol import NO_CHANNEL, EventKind
 
 SATURATED_LIMIT = 3
@@ -56,8 +55,8 @@ class FlaggedRun(BaseModel):
 class SensorFaults:
     """What the sensors did during the record: `suspicions` in words, `runs` of flagged samples by channel."""
 
-    suspicions: tuple[Suspicion, ...] = ()
-    runs: tuple[FlaggedRun, ...] = ()
+    suspicions: tuple[Suspicion, ...]
+    runs: tuple[FlaggedRun, ...]
 
 
 @np.errstate(all="ignore")  # numbers of a board may be anything
@@ -97,28 +96,24 @@ def _looked(recording: Recording) -> tuple[dict[int, Flagged], float, int]:
     """Return the flags of the channels that oscillate, by number; their period, 0 for none; and the first reading."""
     first = recording.trigger or 0
     part = slice(first, first + LONGEST)
-    known = recording.valid[part]
-    moved = {}
-    for number, (channel, samples) in enumerate(zip(recording.channels, recording.samples, strict=True)):
-        there = known & np.isfinite(samples[part])
-        if (
-            channel.quantity in MOTIONS
-            and there.sum() > 0.5 * len(there)
-            and 0.0 < np.ptp(samples[part][there]) < LARGEST
-        ):
-            moved[number] = (samples[part], there)
-    filled = {
-        n: np.interp(np.arange(len(x)), np.flatnonzero(there), x[there]) for n, (x, there) in moved.items()
-    }
-    period = cycle_length(tuple(filled.values())) if filled else None
+    moved: dict[int, tuple[Array, Mask]] = {}
+    for number, (channel, samples) in enumerate(
+        zip(recording.channels, recording.samples[:, part], strict=True)
+    ):
+        there = recording.valid[part] & np.isfinite(samples)
+        enough = there.sum() > 0.5 * len(there) and 0.0 < np.ptp(samples[there]) < LARGEST
+        if channel.quantity in MOTIONS and enough:
+            filled = np.interp(np.arange(len(samples)), np.flatnonzero(there), samples[there])
+            moved[number] = filled, there
+    period = cycle_length(tuple(filled for filled, _ in moved.values())) if moved else None
     if period is None:
         return {}, 0.0, first
-    until = {number: last_moving(x, period) for number, x in filled.items()}
+    until = {number: last_moving(filled, period) for number, (filled, _) in moved.items()}
     released = None if recording.trigger is None else round(BLOW_S * recording.rate)
     looked = {}
-    for number, (_, there) in moved.items():
+    for number, (filled, there) in moved.items():
         others = max((last for other, last in until.items() if other != number), default=0)
-        looked[number] = flag_readings(filled[number], there, period, others, released)
+        looked[number] = flag_readings(filled, there, period, others, released)
     return looked, period, first
 
 
@@ -161,14 +156,10 @@ def _ends(recording: Recording, number: int, assembly: Assembly | None) -> tuple
         blow[max(recording.trigger - 2, 0) : after] = True
     seen = _at_end(recording.channels[number], recording.samples[number])
     reported = np.zeros_like(blow)
-    for event in assembly.events if assembly is not None else ():
-        if (
-            assembly is not None
-            and event.kind == EventKind.SATURATION
-            and event.channel in (number, NO_CHANNEL)
-        ):
-            first = event.index - assembly.start
-            reported[max(first, 0) : max(first + event.count, 0)] = True
+    events, start = (assembly.events, assembly.start) if assembly is not None else ([], 0)
+    for event in events:
+        if event.kind == EventKind.SATURATION and event.channel in (number, NO_CHANNEL):
+            reported[max(event.index - start, 0) : max(event.index - start + event.count, 0)] = True
     ends = seen | reported
     return ends & ~blow, ends & blow, bool(reported[~blow].any())
 

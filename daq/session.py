@@ -79,17 +79,15 @@ def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
     for summary in list_sessions(folder):
         if not _is_unfinished(summary.folder):
             continue
-        lock = Lock(summary.folder)
         try:
-            lock.acquire()
+            with Lock(summary.folder):
+                unfinished = _is_unfinished(summary.folder)  # and was not just being changed
         except SessionLocked:
             continue
         except StorageError:  # `recover` says why
+            unfinished = True
+        if unfinished:
             waiting.append(summary.folder)
-            continue
-        if _is_unfinished(summary.folder):  # and was not just being changed
-            waiting.append(summary.folder)
-        lock.release()
     return tuple(waiting)
 
 

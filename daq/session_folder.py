@@ -1,7 +1,7 @@
 """One session's folder: created, filled, sealed, changed; the layout is drawn in `session`."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -69,20 +69,16 @@ class Session(SessionReader):
         lock = Lock(folder)
         session = cls(folder, info.model_copy(update={"name": name}), lock)
         make_folder(folder)
-        try:
+        with ExitStack() as undo:
+            undo.callback(session._give_back)
             lock.acquire()
             require_empty(folder)  # another process may have made a session here in between
-        except BaseException:
-            session._give_back()
-            raise
-        try:
+            undo.callback(discard, folder)
             log.note(event="session", info=session.info.model_dump(mode="json"))
             make_inner(session.results)
             write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
-        except BaseException:
-            session._discard()
-            raise
+            undo.pop_all()
         return session
 
     @classmethod
@@ -111,7 +107,9 @@ class Session(SessionReader):
             "rate_std_hz": recording.rate_std,
         }
         session = cls.create(folder, info.model_copy(update=changes), log)
-        try:
+        with ExitStack() as undo:  # the file is there to be imported again
+            undo.callback(session._give_back)
+            undo.callback(discard, session.folder)
             if source is not None:
                 make_inner(session.folder / SOURCE)
                 write_whole(session.folder / SOURCE / stored_name(source.name), content)
@@ -121,11 +119,7 @@ class Session(SessionReader):
             if log.failure is not None:
                 raise log.failure
             session.seal()
-        except BaseException:  # the file is there to be imported again
-            session._discard()
-            raise
-        finally:
-            session.release()
+            undo.pop_all()
         return session
 
     def require_writable(self) -> None:
@@ -202,11 +196,6 @@ class Session(SessionReader):
         if self._lock is not None:
             self._lock.release()
             self._lock = None
-
-    def _discard(self) -> None:
-        """Remove a session that was begun and could not be made, and give its lock back."""
-        discard(self.folder)
-        self._give_back()
 
     def _give_back(self) -> None:
         """Give the lock back and remove the folder, in which nothing is."""

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from daq.recording import Array, Mask
+from daq.recording import Array, Index, Mask
 
-Index = NDArray[np.int64]
+EACH = slice(None)
 
 SHARE = 0.2
 """Share of the usual swing below which a motion is not looked at."""
@@ -30,8 +29,10 @@ class Swing:
         """Half the swing around each reading, the larger of both sides, (n,)."""
         return 0.5 * np.maximum(self.before, self.after)
 
-    def steady(self, first: Index, last: Index, share: float = 1.0) -> Mask:
-        """Check whether the motion continues from before the readings `first` to after `last`, (m,) each."""
+    def steady(self, first: Index | slice = EACH, last: Index | slice = EACH, share: float = 1.0) -> Mask:
+        """Check whether the motion continues from before the readings `first` to after `last`, (m,) each; of every reading
+        without these.
+        """
         before, after = self.before[first], self.after[last]
         larger = np.maximum(before, after)
         return np.asarray((np.minimum(before, after) > STEADY * larger) & (larger > share * self.enough))
@@ -66,7 +67,7 @@ def swing_of(x: Array, period: float, released: int | None = None) -> Swing:
     return Swing(before, after, SHARE * float(size.max()))
 
 
-def weights_of(nodes: Array, at: Array) -> Array:
+def weights_of(nodes: Index, at: Index) -> Array:
     """Return the weights of four `nodes` (m, 4) in the cubic through them at the places `at`, (m,): shape (m, 4)."""
     out = np.ones(nodes.shape)
     for i in range(4):
@@ -76,30 +77,24 @@ def weights_of(nodes: Array, at: Array) -> Array:
     return out
 
 
-def nodes_of(keep: Mask, at: Index) -> tuple[Index, Mask]:
-    """Return the two kept readings on either side of each place, (m, 4), and where there are such, (m,)."""
+def nodes_of(keep: Mask, at: Index) -> tuple[Index, Index]:
+    """Return those of the places `at` that have two kept readings on either side, (m,), and these readings, (m, 4)."""
     known = np.flatnonzero(keep)
     place = np.searchsorted(known, at)
     there = (place >= 2) & (place <= len(known) - 2)
-    if len(known) < 4:
-        return np.zeros((len(at), 4), dtype=np.int64), np.zeros(len(at), dtype=np.bool_)
-    first = np.clip(place - 2, 0, len(known) - 4)
-    return known[first[:, None] + np.arange(4)], there
+    return at[there], known[place[there, None] + np.arange(-2, 2)]
 
 
 def filled(x: Array, keep: Mask) -> Array:
     """Return the readings with those that are not kept on the cubic through their neighbours, at the ends as the last."""
     out = np.array(x)
     at = np.flatnonzero(~keep)
-    if not len(at) or keep.sum() < 4:
-        return np.nan_to_num(out)
-    nodes, there = nodes_of(keep, at)
     known = np.flatnonzero(keep)
+    if not len(at) or len(known) < 4:
+        return np.nan_to_num(out)
     out[at] = np.interp(at, known, x[known])
-    if there.any():
-        out[at[there]] = (
-            weights_of(nodes[there].astype(float), at[there].astype(float)) * x[nodes[there]]
-        ).sum(axis=1)
+    within, nodes = nodes_of(keep, at)
+    out[within] = (weights_of(nodes, within) * x[nodes]).sum(axis=1)
     return out
 
 
@@ -114,7 +109,7 @@ def noise_of(x: Array, swing: Swing, period: float) -> Array:
         return np.zeros(len(x))
     width = max(round(period), 16)
     count = max(len(rough) // width, 1)
-    blocks = rough[: count * width].reshape(count, -1) if len(rough) >= width else rough[None]
+    blocks = rough[: count * width].reshape(count, -1)
     near = np.median(blocks, axis=1)[np.minimum(np.arange(len(x)) // width, count - 1)]
     return np.asarray(np.maximum(near, np.median(rough[moves])) / 0.6745 / np.sqrt(70.0))
 
@@ -141,6 +136,4 @@ def quantum_at(x: Array, at: Index) -> Array:
 
 def last_moving(samples: Array, period: float) -> int:
     """Return the last reading of a channel, shape (n,), about which it oscillates."""
-    swing = swing_of(samples, period)
-    everywhere = np.arange(len(samples))
-    return int(np.flatnonzero(swing.steady(everywhere, everywhere)).max(initial=0))
+    return int(np.flatnonzero(swing_of(samples, period).steady()).max(initial=0))

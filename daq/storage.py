@@ -59,7 +59,7 @@ def discard(folder: Path) -> None:
 
 def require_empty(folder: Path) -> None:
     """OperatorError when a folder holds anything but a lock."""
-    if any(path.name != Lock.NAME for path in folder.iterdir()):
+    if any(path.name != LOCK for path in folder.iterdir()):
         raise OperatorError(f"{folder} holds something already; nothing was overwritten, name a new folder")
 
 
@@ -202,10 +202,8 @@ def digest(data: bytes) -> str:
 class Lock:
     """A lock on a folder that the system takes back when the process dies, however it dies."""
 
-    NAME = LOCK
-
     def __init__(self, folder: Path) -> None:
-        self.path = folder / self.NAME
+        self.path = folder / LOCK
         self._file: IO[bytes] | None = None
 
     def __enter__(self) -> None:

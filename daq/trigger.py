@@ -28,15 +28,7 @@ SHRINK = 0.15
 UNEVEN = 1.67
 
 
-@dataclass(frozen=True, eq=False)
-class Rest:
-    """The noise (standard deviation) of each channel at rest, shape (channels,), channel's unit."""
-
-    noise: Array
-    samples: int
-
-
-def smallest_motion(channel: Channel, level: float | None = None) -> float:
+def smallest_motion(channel: Channel, level: float | None) -> float:
     """Return the swing in the channel's unit below which nothing is taken for a release.
 
     `level` when given, else one per cent of the range, 0 when the range is unknown.
@@ -48,7 +40,7 @@ def smallest_motion(channel: Channel, level: float | None = None) -> float:
     return SHARE_OF_RANGE * abs(channel.high - channel.low)
 
 
-def is_still(channel: Channel, samples: Array, level: float | None = None) -> bool:
+def is_still(channel: Channel, samples: Array, level: float | None) -> bool:
     """Check whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
     white = float(np.median(np.abs(np.diff(samples)))) / 0.6745 / np.sqrt(2)
     allowed = max(3 * white, channel.resolution or 0.0, 0.1 * smallest_motion(channel, level))
@@ -56,22 +48,21 @@ def is_still(channel: Channel, samples: Array, level: float | None = None) -> bo
 
 
 class RestPeriod:
-    """Feed it blocks; `rest` is there once 0.25 s were still, and `complete` once `seconds` were."""
+    """Feed it blocks; `noise` is there once 0.25 s were still, and `complete` once `seconds` were.
+
+    It is the standard deviation of each channel at rest, shape (channels,), in the channel's unit.
+    """
 
     def __init__(
         self, channels: tuple[Channel, ...], rate: float, seconds: float, level: float | None = None
     ) -> None:
-        self.rest: Rest | None = None
+        self.noise: Array | None = None
+        self.complete = False
         self._channels = channels
         self._level = level
         self._quiet = max(round(QUIET_S * rate), QUIET_SAMPLES)
         self._wanted = max(round(seconds * rate), self._quiet)
         self._samples: Array = np.empty((len(channels), 0))
-
-    @property
-    def complete(self) -> bool:
-        """Whether the mass was still for the whole period."""
-        return self.rest is not None and self.rest.samples >= self._wanted
 
     @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, samples: Array) -> None:
@@ -85,7 +76,8 @@ class RestPeriod:
             return
         if not self._still(self._samples):
             self._samples = self._samples[:, -self._quiet :]
-        self.rest = Rest(self._samples.std(axis=1), self._samples.shape[1])
+        self.noise = self._samples.std(axis=1)
+        self.complete = self._samples.shape[1] >= self._wanted
 
     def _still(self, samples: Array) -> bool:
         pairs = [(c, row) for c, row in zip(self._channels, samples, strict=True) if c.quantity in MOTIONS]
@@ -125,49 +117,38 @@ class FreeOscillation:
 
 
 class TurningPoints:
-    """The turning points of one channel that are at least `threshold` apart (channel's unit).
+    """The turning points of one channel that are at least a threshold apart (channel's unit).
 
     `history` gives samples `first` to `stop - 1` of it again, NaN where one is missing.
     """
 
-    def __init__(self, threshold: float, history: Callable[[int, int], Array]) -> None:
-        self.threshold = threshold
+    def __init__(self, history: Callable[[int, int], Array]) -> None:
         self._turns: list[Turn] = []
-        self._crossings: list[int] = []
         self._low = self._high = Turn(-1, float("nan"))
         self._direction = 0
         self._history = history
 
-    def feed(self, first: int, samples: Array) -> FreeOscillation | None:
+    def feed(self, first: int, samples: Array, threshold: float) -> FreeOscillation | None:
         """Take samples, shape (n,), from index `first` on; return a free oscillation once three swings show it."""
         found = None
         for index, value in enumerate(samples.tolist(), first):
-            if not isnan(value) and self._step(index, value):
+            if not isnan(value) and self._step(index, value, threshold):
                 found = self._regular() or found
         return found
 
-    def _step(self, index: int, value: float) -> bool:
+    def _step(self, index: int, value: float, threshold: float) -> bool:
         """Take one sample; return whether a turning point before it is now certain."""
-        if self._low.index < 0:
-            self._low = self._high = Turn(index, value)
-        if value > self._high.value:
+        if not value <= self._high.value:  # the first is NaN
             self._high = Turn(index, value)
-        if value < self._low.value:
+        if not value >= self._low.value:
             self._low = Turn(index, value)
-        if self._direction >= 0 and self._high.value - value > self.threshold:
-            return self._turn(self._high, -1, Turn(index, value))
-        if self._direction <= 0 and value - self._low.value > self.threshold:
-            return self._turn(self._low, 1, Turn(index, value))
+        for direction, turn in ((-1, self._high), (1, self._low)):
+            if direction != self._direction and abs(value - turn.value) > threshold:
+                self._direction = direction
+                self._low = self._high = Turn(index, value)
+                self._turns = [*self._turns[-REGULAR:], turn]
+                return True
         return False
-
-    def _turn(self, turn: Turn, direction: int, now: Turn) -> bool:
-        self._direction = direction
-        if self._turns:
-            self._crossings.append(self._crossing(self._turns[-1], turn))
-        self._low = self._high = now
-        self._turns = [*self._turns[-REGULAR:], turn]
-        self._crossings = self._crossings[-REGULAR:]
-        return True
 
     def _crossing(self, before: Turn, after: Turn) -> int:
         """The last sample before `after` on the near side of the middle between the two."""
@@ -184,10 +165,11 @@ class TurningPoints:
         sizes = [abs(b - a) for a, b in pairwise(values)]
         if not all(SHRINK * a <= b <= GROWTH * a for a, b in pairwise(sizes)):
             return None
-        times = [b - a for a, b in pairwise(self._crossings)]
+        crossings = [self._crossing(a, b) for a, b in pairwise(self._turns)]
+        times = [b - a for a, b in pairwise(crossings)]
         if min(times) < 1 or max(times) > UNEVEN * min(times) + 2:
             return None
-        return FreeOscillation(tuple(self._turns), self._crossings[0], sum(times) / len(times))
+        return FreeOscillation(tuple(self._turns), crossings[0], sum(times) / len(times))
 
 
 @dataclass(frozen=True)
@@ -210,6 +192,7 @@ def threshold(channel: Channel, noise: float, level: float | None = None) -> flo
 class Trigger:
     """Feed it blocks from rest on; it returns the release once three free swings have followed it.
 
+    `noise` is that of a `RestPeriod`, and may be set again after a longer one: nothing that was seen is forgotten.
     `history` gives samples `first` to `stop - 1` again, shape (channels, n), NaN where one is missing.
     """
 
@@ -217,7 +200,7 @@ class Trigger:
         self,
         channels: tuple[Channel, ...],
         rate: float,
-        rest: Rest,
+        noise: Array,
         history: Callable[[int, int], Array],
         level: float | None = None,
     ) -> None:
@@ -228,28 +211,20 @@ class Trigger:
         self._since: int | None = None
         self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTIONS]
         self._rows.sort(key=lambda i: MOTIONS.index(channels[i].quantity))
-        self.rest = rest
-        self._swings = {
-            row: TurningPoints(self._threshold(row), partial(self._part, row)) for row in self._rows
-        }
+        self.noise = noise
+        self._swings = {row: TurningPoints(partial(self._part, row)) for row in self._rows}
 
     def _threshold(self, row: int) -> float:
         channel = self._channels[row]
         level = self._level if channel.quantity == primary(self._channels) else None
-        return threshold(channel, float(self.rest.noise[row]), level)
-
-    def set_rest(self, rest: Rest) -> None:
-        """Take the noise of a longer rest; nothing that was seen already is forgotten."""
-        self.rest = rest
-        for row, swings in self._swings.items():
-            swings.threshold = self._threshold(row)
+        return threshold(channel, float(self.noise[row]), level)
 
     @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, first: int, samples: Array) -> Triggered | None:
         """Take a block, shape (channels, n), from sample index `first` on; holes are allowed."""
         self._since = first if self._since is None else self._since
         for row in self._rows:
-            found = self._swings[row].feed(first, samples[row])
+            found = self._swings[row].feed(first, samples[row], self._threshold(row))
             if found is not None and self._counts(row, found):
                 return Triggered(
                     self._onset(row, found),
@@ -302,7 +277,7 @@ class Trigger:
         farthest = int(np.nanargmax(away))
         peak = float(away[farthest])
         spread = float(np.median(np.abs(held - np.median(held)))) / 0.6745
-        noise = min(max(float(self.rest.noise[row]), spread), peak / 20)
+        noise = min(max(float(self.noise[row]), spread), peak / 20)
         still = np.flatnonzero(away[:farthest] <= max(EDGE_TIMES_NOISE * noise, EDGE_SHARE * peak))
         return start + (int(still[-1]) + 1 if len(still) else 0)
 

@@ -1,19 +1,17 @@
 """From a table to its recordings, by a recipe alone: nothing is guessed here."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from daq.importing.bob import angle_of
 from daq.importing.errors import ImportProblem, problem, require_few
-from daq.importing.no_clock import NoClock
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.runs import MOST_RUNS, of_each, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table, listed
-from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
+from daq.importing.timebase import NoClock, Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
 from daq.recording import MOTIONS, Array, Channel, Recording
@@ -112,7 +110,7 @@ def stated(table: Table) -> tuple[str, ...]:
     return table.stated or tuple(sorted({one_line(c.unit) for c in table.columns if c.unit}))
 
 
-def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[int, Column]]]:
+def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, Mapping[int, Column]]]:
     """Return the table and the fields of each run that the recipe reads."""
     fields = {n: f for n, f in matched(table, recipe).items() if f.role != "ignored"}
     columns = [c for c in table.columns if c.number in fields]
@@ -145,9 +143,7 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
                 "it holds one recording: leave --run out",
             )  # fmt: skip
         tables = kept
-    return [
-        (_noted(run), MappingProxyType({c.number: fields[c.number] for c in run.columns})) for run in tables
-    ]
+    return [(_noted(run), {c.number: fields[c.number] for c in run.columns}) for run in tables]
 
 
 def _noted(run: Table) -> Table:
@@ -164,7 +160,7 @@ def _side_by_side(
     return part_of(table, name, own, rows_of(own, [c for c in own if fields[c.number].role == "time"]))
 
 
-def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str, Reading]:
+def readings_of(table: Table, fields: Mapping[int, Column]) -> dict[str, Reading]:
     """Return the readings of one run by their quantity. Raises ImportProblem when two columns are one quantity."""
     found: dict[str, Reading] = {}
     for column in table.columns:
@@ -205,7 +201,7 @@ def _angle(table: Table, x: Reading, y: Reading) -> Reading:
     return Reading(angle, Unit(1.0, "rad", "displacement"), x.field)
 
 
-def _recordings(table: Table, fields: MappingProxyType[int, Column], recipe: Recipe) -> list[Recording]:
+def _recordings(table: Table, fields: Mapping[int, Column], recipe: Recipe) -> list[Recording]:
     """Return the recordings of one run: one, or one for each part that the recipe cuts."""
     readings = readings_of(table, fields)
     values = np.array([readings[q].in_si(table, q) for q in ORDER if q in readings])

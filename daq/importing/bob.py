@@ -8,7 +8,7 @@ import numpy as np
 from daq.importing.column_numbers import amplitude, is_measurable
 from daq.importing.columns import split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions, ask
+from daq.importing.options import ImportOptions, ask
 from daq.importing.table import SourceColumn, Table, named
 from daq.recording import MOTIONS, Array
 
@@ -75,7 +75,7 @@ def angle_of(
 
 def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceColumn] | None:
     """Return the columns that could be x and y: two called so, or, without names, two beside the time."""
-    if any(options.columns.get(q, NONE) != NONE for q in MOTIONS):
+    if any(q in options.named for q in MOTIONS):
         return None
     numbers = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
     if any(c.said.angular or c.quantity in MOTIONS for c in numbers):

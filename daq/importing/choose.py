@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from daq.importing.column_numbers import amplitude, counts_rows, oscillation
-from daq.importing.columns import INDEX, Meaning, split_unit, words
+from daq.importing.columns import INDEX, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
@@ -31,25 +31,9 @@ REPEATS = 0.9999
 """Correlation from which on a column is another one in another unit."""
 
 
-@dataclass(frozen=True, eq=False)
-class Choice:
-    """A column taken as a quantity; `asked` whether an option named it."""
-
-    quantity: str
-    column: SourceColumn
-    asked: bool
-
-    @property
-    def said(self) -> Meaning:
-        """What the file says of the column, without a unit of something else."""
-        said = self.column.said
-        fits = said.unit is not None and said.unit.quantity in (None, self.quantity)
-        return said if fits else replace(said, unit=None, unit_text="")
-
-
 def choose_columns(
     table: Table, options: ImportOptions, notes: list[str], doubts: list[str]
-) -> dict[str, Choice]:
+) -> dict[str, SourceColumn]:
     """Return the column of each quantity that the table has; sentences about it go to `notes`, and where several columns
     could be meant, or none says that it is a motion, the likeliest is taken and a sentence goes to `doubts`.
 
@@ -57,45 +41,42 @@ def choose_columns(
     """
     labels = {c.label.strip() for c in table.columns} - {""}
     likely = [c for c in table.columns if c.label[:1] != "d" or c.label.strip().lstrip("d") not in labels]
-    choices: dict[str, Choice] = {}
-    for quantity, wanted in options.columns.items():
-        if str(wanted).strip().lower() != NONE:
-            column = named(table, wanted, quantity)
-            if column.bad is None and not np.isfinite(column.values).any():
-                raise problem(table.path, f"{column.place} holds no numbers", "name another one")
-            other = next((q for q, choice in choices.items() if choice.column is column), None)
-            if other is not None:
-                raise problem(
-                    table.path,
-                    f"{column.place} cannot be both {other} and {quantity}",
-                    "name another one for one of them",
-                )
-            choices[quantity] = Choice(quantity, column, asked=True)
-    beside = any(quantity in choices for quantity in MOTIONS)
+    chosen: dict[str, SourceColumn] = {}
+    for quantity, wanted in options.named.items():
+        column = named(table, wanted, quantity)
+        other = next((q for q, c in chosen.items() if c is column), None)
+        if other is not None:
+            raise problem(
+                table.path, f"{column.place} cannot be both {other} and {quantity}", "name another one for one of them"
+            )  # fmt: skip
+        chosen[quantity] = column
+    beside = any(quantity in chosen for quantity in MOTIONS)
     for quantity in QUANTITIES:
         if quantity in options.columns or (quantity == "time" and options.rate is not None):
             continue
-        taken = {choice.column.number for choice in choices.values()}
-        free = [c for c in likely if c.number not in taken]
+        free = _others(likely, chosen)
         found = _found(quantity, free, notes, doubts, beside=beside)
         if found is None and quantity == "time" and table.rate is None and len(table.columns) > 1:
             found = _rising(free, notes)
         if found is not None:
-            choices[quantity] = Choice(quantity, found, asked=False)
-    if not any(quantity in choices for quantity in MOTIONS):
-        taken = {choice.column.number for choice in choices.values()}
-        rest = [c for c in likely if c.number not in taken and c.said.quantity != "time"]
+            chosen[quantity] = found
+    if not any(quantity in chosen for quantity in MOTIONS):
+        rest = [c for c in _others(likely, chosen) if c.said.quantity != "time"]
         among_all = not any(quantity in options.columns for quantity in MOTIONS)
         found = (_only_signal(rest, notes) if among_all else None) or _of_unknown_kind(table, rest, doubts)
-        choices["displacement"] = Choice("displacement", found, asked=False)
-    return choices
+        chosen["displacement"] = found
+    return {quantity: replace(column, quantity=quantity) for quantity, column in chosen.items()}
 
 
-def left_out(table: Table, choices: Mapping[str, Choice]) -> str:
+def left_out(table: Table, chosen: Mapping[str, SourceColumn]) -> str:
     """Return a sentence that names the columns not used, or ""."""
-    taken = {choice.column.number for choice in choices.values()}
-    rest = [column for column in table.columns if column.number not in taken]
+    rest = _others(table.columns, chosen)
     return f"not used: {listed(rest)}" if rest else ""
+
+
+def _others(columns: Sequence[SourceColumn], chosen: Mapping[str, SourceColumn]) -> list[SourceColumn]:
+    taken = {column.number for column in chosen.values()}
+    return [column for column in columns if column.number not in taken]
 
 
 def _found(

@@ -46,25 +46,25 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     require_table(path, len(rows), dialect.width)
     notes = [text for text in (said, how) if text]
-    parsed, rows = _numbers(path, lines, rows, dialect, notes)
+    fast = _all_at_once([lines[i] for i in rows], dialect)
+    if fast is not None:
+        parsed = [Parsed(column) for column in fast.T]
+    else:
+        parsed, rows = _cell_by_cell(path, lines, rows, dialect, notes)
     names, units = [""] * len(parsed), [""] * len(parsed)
     if wanted.header:
         names, units = headers(lines, dialect, len(parsed))
-    if names and not names[-1] and names[0] and counts_rows(parsed[0].values):
+    if not names[-1] and names[0] and counts_rows(parsed[0].values):
         names = ["row", *names[:-1]]
     columns = []
     for i, column in enumerate(parsed):
         if not names[i] and not units[i] and column.bad is None and not np.isfinite(column.values).any():
             continue
-        bad = None
-        if column.bad is not None:
-            row = rows[column.bad]
-            cells = split(lines[row], dialect.delimiter)
-            bad = (row + 1, cells[i].strip()[:30] if i < len(cells) else "")
+        bad = None if column.bad is None else (rows[column.bad[0]] + 1, column.bad[1].strip()[:30])
         columns.append(SourceColumn(i + 1, names[i], column.values, units[i], bad=bad, clock=column.clock))
     sign = "decimal comma" if dialect.decimal == "," else "decimal point"
     name = NAMES.get(dialect.delimiter, f"'{dialect.delimiter}'")
-    layout = f"{len(rows)} rows from line {rows[0] + 1}, {len(columns)} columns" if rows else "no rows"
+    layout = f"{len(rows)} rows from line {rows[0] + 1}, {len(columns)} columns"
     notes.insert(0, f"text table: {layout}, delimiter {name}, {sign}")
     rate, source = rate_above(lines, dialect)
     used = {"delimiter": dialect.delimiter, "decimal_char": dialect.decimal} if odd is None else {}
@@ -80,16 +80,6 @@ def _without_comments(path: Path, lines: list[str], wanted: WantedDialect) -> li
         raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(wanted.comment_rows)}")
     blank = set(wanted.comment_rows)
     return ["" if number in blank else line for number, line in enumerate(lines, start=1)] if blank else lines
-
-
-def _numbers(
-    path: Path, lines: list[str], rows: list[int], dialect: Dialect, notes: list[str]
-) -> tuple[list[Parsed], list[int]]:
-    """Return the columns and the lines they came from: all at once if the table is clean, else cell by cell."""
-    fast = _all_at_once([lines[i] for i in rows], dialect)
-    if fast is not None:
-        return [Parsed(column) for column in fast.T], rows
-    return _cell_by_cell(path, lines, rows, dialect, notes)
 
 
 def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
@@ -108,7 +98,7 @@ def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
 def _cell_by_cell(
     path: Path, lines: list[str], rows: list[int], dialect: Dialect, notes: list[str]
 ) -> tuple[list[Parsed], list[int]]:
-    """Return the columns of a table with holes, remarks, quotes, text or lines of uneven length."""
+    """Return columns and their lines of a table with holes, remarks, quotes, text or lines of uneven length."""
     cut = dialect.delimiter
     remarks = [i for i in rows if is_comment(lines[i])]
     rows = [i for i in rows if not is_comment(lines[i])]
@@ -179,15 +169,13 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
         bare = line.lstrip().lstrip("".join(COMMENTS)).strip() if is_comment(line) else line
         above.append([c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)])
     fitting = [cells for cells in above if _fits(cells, width)]
-    if not fitting:
-        return [""] * width, [""] * width
-    rows = [cells for cells in fitting if _is_unit_row(cells)]
-    units = _padded(rows[-1], width) if rows else [""] * width
-    fitting = [cells for cells in fitting if cells not in rows]
-    if not fitting:
-        return units, [""] * width
-    best = max(range(len(fitting)), key=lambda k: (_says(fitting[k]) if width > 1 else 0, k))
-    return _padded(fitting[best], width), units
+    units = [cells for cells in fitting if _is_unit_row(cells)]
+    names = [cells for cells in fitting if cells not in units]
+    if not names:
+        names, units = units[-1:], []
+    says = [_says(cells) if width > 1 else 0 for cells in names]
+    best = max(range(len(names)), key=lambda k: (says[k], k), default=0)
+    return _padded(names[best] if names else (), width), _padded(units[-1] if units else (), width)
 
 
 def _says(cells: Sequence[str]) -> int:
@@ -245,8 +233,7 @@ def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
 
 def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:
     """Return the sampling rate that the lines above the table name, and the line, or None."""
-    for i, line in enumerate(lines[: min(dialect.start, 200)]):
-        rate = rate_in(line[:300], dialect.decimal)
-        if rate is not None:
-            return rate, f"line {i + 1}"
+    for number, line in enumerate(lines[: min(dialect.start, 200)], start=1):
+        if (rate := rate_in(line[:300], dialect.decimal)) is not None:
+            return rate, f"line {number}"
     return None, ""

@@ -25,10 +25,10 @@ class ImportProblem(OperatorError):
 
 
 def problem(
-    path: Path, what: str, todo: str = "", *, line: int | None = None, column: int | None = None
+    path: Path, what: str, todo: str, *, line: int | None = None, column: int | None = None
 ) -> ImportProblem:
     """Return the error whose sentence gives file, line, column, what is wrong and what to do."""
-    return ImportProblem(f"{place(path, line, column)}: {what}" + (f"; {todo}" if todo else ""))
+    return ImportProblem(f"{place(path, line, column)}: {what}; {todo}")
 
 
 def place(path: Path, line: int | None, column: int | None) -> str:

@@ -80,11 +80,6 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
 
     Files come from anywhere, and scipy's compiled reader crashes on some damaged ones. Raises ImportProblem.
     """
-    large = problem(
-        path, f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ARRAYS} arrays, "
-        "or asks for too much memory",
-        "save only the channels of one recording",
-    )  # fmt: skip
     limits = map(str, (MAX_NUMBERS, MAX_ARRAYS))
     reader = [sys.executable, "-P", mat_reader.__file__, *limits]  # -P: no module of the working folder
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
@@ -95,7 +90,11 @@ def read_arrays(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
             path, f"was not read within {LONGEST_S:g} s", "save it again with save(..., '-v7')"
         ) from None
     if done.returncode == mat_reader.TOO_LARGE:
-        raise large
+        raise problem(
+            path, f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ARRAYS} arrays, "
+            "or asks for too much memory",
+            "save only the channels of one recording",
+        )  # fmt: skip
     if done.returncode:
         last = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
         said = one_line(last.partition(": ")[2])[:120]

@@ -73,17 +73,17 @@ def parse_clock(text: str) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Parsed:
-    """The numbers of one column of text: NaN where there is none, the row of the first cell that is neither."""
+    """The numbers of one column of text: NaN where there is none, and row and text of the first cell that is neither."""
 
     values: Array
-    bad: int | None = None
+    bad: tuple[int, str] | None = None
     clock: bool = False
 
 
 def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
     """Return the numbers of a column of text cells."""
     values = np.full(len(cells), math.nan)
-    bad: int | None = None
+    bad: tuple[int, str] | None = None
     clocks = wrong = 0
     for i, cell in enumerate(cells):
         number = parse_number(cell, decimal)
@@ -91,7 +91,7 @@ def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
             number = parse_clock(cell)
             clocks += number is not None
         if number is None:
-            bad = i if bad is None else bad
+            bad = bad or (i, cell)
             wrong += 1
             if wrong > ENOUGH:
                 break

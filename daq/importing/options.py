@@ -69,9 +69,14 @@ class ImportOptions:
         if self.angle_from is not None and "displacement" in self.columns:
             raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
 
+    @property
+    def named(self) -> dict[str, str | int]:
+        """The columns that are asked for, by their quantity, without those that are left out."""
+        return {q: name for q, name in self.columns.items() if str(name).strip().lower() != NONE}
+
     def as_recipe(self) -> Recipe:
         """Return the dialect of the file, its rate, its part, and the columns that these choices ask for."""
-        wanted = [str(name).strip() for name in self.columns.values()]
+        wanted = [str(name).strip() for name in self.named.values()]
         part = Part.model_validate({"from": self.start, "to": self.stop})
         return Recipe.model_validate(
             {
@@ -84,9 +89,7 @@ class ImportOptions:
                     "decimalChar": self.decimal,
                     "commentRows": range(1, self.skip_rows + 1),
                 },
-                "fields": [
-                    Column(name=name, role="displacement") for name in wanted if name and name.lower() != NONE
-                ],
+                "fields": [Column(name=name, role="displacement") for name in wanted if name],
             }
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
-from daq.importing.choose import Choice, choose_columns, left_out
+from daq.importing.choose import choose_columns, left_out
 from daq.importing.column_numbers import is_difference, is_measurable, is_offset
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
@@ -37,8 +37,6 @@ _EXAMPLES = {
     "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
 }  # fmt: skip
 
-Notes = Mapping[str, tuple[str, ...]]
-
 
 @dataclass(frozen=True)
 class Proposal:
@@ -47,7 +45,7 @@ class Proposal:
     """
 
     recipe: Recipe
-    notes: Notes
+    notes: Mapping[str, tuple[str, ...]]
     doubts: tuple[str, ...] = ()
 
 
@@ -56,7 +54,7 @@ class Doubtful(ImportProblem):
     `settled` where it needs no more than to be confirmed.
     """
 
-    def __init__(self, sentence: str, proposal: Proposal, *, settled: bool = True) -> None:
+    def __init__(self, sentence: str, proposal: Proposal, *, settled: bool) -> None:
         super().__init__(sentence)
         self.proposal, self.settled = proposal, settled
 
@@ -64,7 +62,7 @@ class Doubtful(ImportProblem):
 @dataclass(frozen=True)
 class _Run:
     table: Table
-    choices: Mapping[str, Choice]
+    columns: Mapping[str, SourceColumn]
     fields: tuple[Column, ...]
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
@@ -80,7 +78,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     chosen = _chosen(table, found, options)
     turns = _units_of_angles(chosen)
     made, left = of_each(chosen, lambda run: _settled(run, options, turns))
-    derived = {} if options.keep_derived else _derived(made)
+    derived = {} if options.keep_derived else _derived(made, options)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
     made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
     recipe = _recipe(table, made, options)
@@ -142,49 +140,47 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
     table = with_angle(run, options)
     notes, doubts = list(table.notes), list(table.doubts)
-    choices = choose_columns(table, options, notes, doubts)
-    label = choices["displacement"].column.label if "displacement" in choices else ""
+    columns = choose_columns(table, options, notes, doubts)
+    label = columns["displacement"].label if "displacement" in columns else ""
     assumed = options.units.get("displacement", turns.get(label, "rad"))
-    angular = assumed if _is_angle(choices, options) else ""
-    units = {q: _unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
-    choices = _of_one_kind(choices, units, notes, doubts)
-    if "time" in choices:
+    angular = assumed if _is_angle(columns, options) else ""
+    units = {q: _unit_of(table, q, columns[q], options, angular, notes) for q in ORDER if q in columns}
+    columns = _of_one_kind(columns, units, options, notes, doubts)
+    if "time" in columns:
         if options.rate is not None:
             raise problem(table.path, "a time column and a rate were both given", "give one of them")
-        units["time"] = _unit_of(table, choices["time"], options, "", notes)
-    fields = {q: _fields(choices[q], unit) for q, unit in units.items() if q in choices}
-    pull = choices.get("acceleration")
-    if pull is not None and not options.keep_offset and is_offset(pull.column.values):
+        units["time"] = _unit_of(table, "time", columns["time"], options, "", notes)
+    fields = {q: _fields(q, columns[q], unit) for q, unit in units.items() if q in columns}
+    pull = columns.get("acceleration")
+    if pull is not None and not options.keep_offset and is_offset(pull.values):
         fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
         notes.append(
-            f"{pull.column.place} swings about {float(np.nanmedian(pull.column.values)):.4g}, as gravity would have it: its "
+            f"{pull.place} swings about {float(np.nanmedian(pull.values)):.4g}, as gravity would have it: its "
             "median was taken out as an offset (--keep-offset keeps it)"
         )
-    notes += filter(None, [left_out(table, choices)])
+    notes += filter(None, [left_out(table, columns)])
     listed = [field for several in fields.values() for field in several]
-    return _Run(run, choices, tuple(listed), tuple(notes), tuple(doubts))
+    return _Run(run, columns, tuple(listed), tuple(notes), tuple(doubts))
 
 
-def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
-    """Return the recipe's fields of a choice: one, or the x and y of which its angle is taken."""
-    column = choice.column
+def _fields(quantity: str, column: SourceColumn, unit: str) -> tuple[Column, ...]:
+    """Return the recipe's fields of a column: one, or the x and y of which it is the angle."""
     if column.arc is not None:
         x, y = column.arc
         return Column(column=x, role="x"), Column(column=y, role="y")
-    quantity = cast(Role, choice.quantity)
-    return (Column(column=column.number, role=quantity, unit=unit),)
+    return (Column(column=column.number, role=cast(Role, quantity), unit=unit),)
 
 
-def _derived(runs: Sequence[_Run]) -> dict[str, str]:
+def _derived(runs: Sequence[_Run], options: ImportOptions) -> dict[str, str]:
     """Return the quantities that the logger computed from another channel, and why: what one run shows is true of all."""
     found: dict[str, str] = {}
     for run, (source, target, order) in product(runs, DERIVATIVES):
-        one, two = run.choices.get(source), run.choices.get(target)
+        one, two = run.columns.get(source), run.columns.get(target)
         if one is None or two is None or target in found:
             continue
-        if is_difference(one.column.values, two.column.values, order):
+        if is_difference(one.values, two.values, order):
             found[target] = f"its numbers are a finite difference of the {source}, not a sensor of its own"
-        elif two.said.derived and not two.asked:
+        elif two.said.derived and target not in options.named:
             found[target] = f"its name says that it is derived, and the {source} is there"
     return found
 
@@ -192,9 +188,9 @@ def _derived(runs: Sequence[_Run]) -> dict[str, str]:
 def _left_out(run: _Run, derived: Mapping[str, str]) -> list[str]:
     """Return a sentence on each derived channel of a run."""
     return [
-        f"{run.choices[quantity].column.place} was left out: {why} (--keep-derived keeps it)"
+        f"{run.columns[quantity].place} was left out: {why} (--keep-derived keeps it)"
         for quantity, why in derived.items()
-        if quantity in run.choices
+        if quantity in run.columns
     ]
 
 
@@ -218,20 +214,22 @@ def _swing(column: SourceColumn) -> float:
     return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
 
 
-def _is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
+def _is_angle(columns: Mapping[str, SourceColumn], options: ImportOptions) -> bool:
     """Check whether channels without a unit are angles: an option's unit decides, else the headers."""
     asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
     known = [unit for unit in asked if unit is not None and unit.quantity is not None]
-    return any(unit.angular for unit in known) if known else any(c.said.angular for c in choices.values())
+    return any(unit.angular for unit in known) if known else any(c.said.angular for c in columns.values())
 
 
-def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, notes: list[str]) -> str:
+def _unit_of(
+    table: Table, quantity: str, column: SourceColumn, options: ImportOptions, turns: str, notes: list[str]
+) -> str:
     """Return the unit of a channel as it is spelled: from the options, the header, or SI by default, and note which.
 
     `turns` is the unit of angles that name none, "" where the channels are none.
     """
-    quantity, place, text = choice.quantity, choice.column.place, options.units.get(choice.quantity)
-    written = choice.said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
+    place, said, text = column.place, column.said, options.units.get(quantity)
+    written = said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
     if text is not None:
         unit = parse_scaled_unit(text)
         if unit is None or unit.quantity not in (None, quantity):
@@ -239,20 +237,20 @@ def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, n
                 table.path, f"'{text}' is no unit of {quantity} that is known here",
                 f"give one of {_EXAMPLES[quantity]}",
             )  # fmt: skip
-        other = choice.said.unit is not None and choice.said.unit != unit
+        other = said.unit is not None and said.unit != unit
         notes.append(
             f"{place} read as {quantity} in {text}, as asked"
             + (f", though its header says {written}" if other else "")
         )
         return text
-    asked = ", chosen by the options" if choice.asked else ""
-    if choice.said.unit is not None:
+    asked = ", chosen by the options" if quantity in options.named else ""
+    if said.unit is not None:
         notes.append(f"{place} read as {quantity} in {written}{asked}")
-        return choice.said.unit_text
+        return said.unit_text
     if quantity == "time":
-        spelled, why = guess_time_unit(choice.column)
+        spelled, why = guess_time_unit(column)
         assumed = f"; it names no unit: {why} (change it with --unit time=...)"
-        notes.append(f"{place} read as time{'; times of day' if choice.column.clock else assumed}")
+        notes.append(f"{place} read as time{'; times of day' if column.clock else assumed}")
         return spelled
     spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
     if turns == "counts" and quantity == "displacement":
@@ -266,18 +264,20 @@ def _unit_of(table: Table, choice: Choice, options: ImportOptions, turns: str, n
 
 
 def _of_one_kind(
-    choices: Mapping[str, Choice], spelled: Mapping[str, str], notes: list[str], doubts: list[str]
-) -> dict[str, Choice]:
+    columns: Mapping[str, SourceColumn],
+    spelled: Mapping[str, str],
+    options: ImportOptions,
+    notes: list[str],
+    doubts: list[str],
+) -> dict[str, SourceColumn]:
     """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
     units = {q: parse_scaled_unit(text) or SI_LINEAR[q] for q, text in spelled.items()}
-    kinds = [q for q in QUANTITIES[1:] if q in choices and units[q].quantity is not None]
-    lead = next((q for q in kinds if choices[q].asked), kinds[0] if kinds else "")
+    kinds = [q for q in QUANTITIES[1:] if q in columns and units[q].quantity is not None]
+    lead = next((q for q in kinds if q in options.named), kinds[0] if kinds else "")
     left = [q for q in kinds if units[q].angular != units[lead].angular]
     for quantity in left:
         said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
-        notes.append(
-            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
-        )
-        if choices[quantity].asked == choices[lead].asked:
+        notes.append(f"{columns[quantity].place} was left out: {said} would mix an angle with a length")
+        if (quantity in options.named) == (lead in options.named):
             doubts.append(f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)})")
-    return {q: choice for q, choice in choices.items() if q not in left}
+    return {q: column for q, column in columns.items() if q not in left}

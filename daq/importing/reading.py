@@ -9,11 +9,11 @@ from daq.importing.csv_text import read_csv
 from daq.importing.errors import MAX_BYTES, problem, require_size
 from daq.importing.json_text import is_json, read_json
 from daq.importing.matlab import is_matlab, read_matlab
-from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful, Proposal, propose
 from daq.importing.recipe import Recipe
 from daq.importing.table import Table
+from daq.importing.timebase import NoClock
 from daq.importing.uff58 import is_uff, read_uff
 from daq.recording import Recording
 

@@ -7,12 +7,12 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.columns import split_unit, words
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
+from daq.recording import Index
 
 T = TypeVar("T")
 Made = TypeVar("Made")
@@ -157,7 +157,7 @@ def _is_time(column: SourceColumn) -> bool:
     return column.clock or column.said.quantity == "time"
 
 
-def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> NDArray[np.int64]:
+def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> Index:
     """Return the rows from the first to the last in which a run has its time and something beside it."""
     beside = [np.isfinite(c.values) for c in columns if c not in times]
     there = np.all([np.any(beside, axis=0), *(np.isfinite(c.values) for c in times)], axis=0)
@@ -165,7 +165,7 @@ def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> N
     return np.arange(rows[0], rows[-1] + 1) if len(rows) else rows
 
 
-def part_of(table: Table, run: str, columns: Sequence[SourceColumn], rows: NDArray[np.int64]) -> Table:
+def part_of(table: Table, run: str, columns: Sequence[SourceColumn], rows: Index) -> Table:
     """Return some columns and rows of a table as those of a run."""
     cut_columns = tuple(replace(c, values=c.values[rows]) for c in columns)
     lines = None if table.lines is None else table.lines[rows]

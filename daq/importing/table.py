@@ -47,7 +47,7 @@ class SourceColumn:
         if self.quantity is None:
             return replace(said, quantity="time", strength=2) if self.clock and not said.quantity else said
         unit = said.unit if said.unit is not None and said.unit.quantity in (None, self.quantity) else None
-        return Meaning(self.quantity, 3, unit, said.unit_text, said.angular, False, False)
+        return Meaning(self.quantity, 3, unit, said.unit_text, said.angular, said.derived, False)
 
     @property
     def place(self) -> str:

@@ -1,20 +1,22 @@
-"""From time stamps to an even clock: its rate, how far the stamps stray; and the rows on it, where what is missing is."""
+"""From time stamps to an even clock: its rate, how far the stamps stray, or why they make none; and the rows on it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.column_numbers import quantum
-from daq.importing.errors import place, problem
-from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, begins_again, no_clock, strays
+from daq.importing.errors import ImportProblem, place, problem
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
-from daq.recording import Array, Gap, Mask, runs
+from daq.recording import Array, Gap, Index, Mask, runs
 
-Index = NDArray[np.int64]
-
+USE_RATE = "leave the stamps out by giving the rate with --rate"
+OFTEN_EQUAL = 0.25
+"""Share of stamps equal to the one before, from which on no curve can be drawn through the readings at their stamps."""
+FEWEST_IN_A_RUN = 50
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
@@ -27,6 +29,16 @@ SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
 DAY = 86400.0
+
+
+class NoClock(ImportProblem):
+    """Stamps that make no clock; `remedy` are the fields of a recipe that would settle it, none where only the operator
+    can say it; `done` says what was done where it need not be confirmed.
+    """
+
+    def __init__(self, where: str, sentence: str, remedy: Mapping[str, Any], done: str = "") -> None:
+        super().__init__(f"{where}: {sentence}")
+        self.remedy, self.done = remedy, done
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,13 +119,13 @@ def from_stamps(
     resampled = spline and not rebuilt and (resample or believed)
     if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
+        raise _no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
     notes.extend(_holes(table, index, time, rows))
     if rebuilt:
         # the roundings of stamps may go together, as those of three digits do: no more than one whole rounding is known
         rate_std = max(rate_std, quantum(time) / math.sqrt(12.0) / float(time[-1] - time[0]) / slope)
         notes.append(
-            f"{strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
+            f"{_strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
@@ -163,7 +175,7 @@ def _evenness(slope: float, stray: float, resampled: bool) -> str:
     done = "the readings are rougher at them, so the mean rate is used (--resample believes the stamps)"
     if resampled:
         done = "the samples were put on the even clock by a cubic spline through their stamps"
-    return f"{strays(stray, slope)}; {done}"
+    return f"{_strays(stray, slope)}; {done}"
 
 
 def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
@@ -194,8 +206,6 @@ def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
 
 def _rate(rate: float, std: float) -> str:
     """Return a rate in Hz with the digits that its error allows."""
-    if not 0.0 < std < rate:
-        return f"{rate:.6g} Hz"
     decimals = min(max(0, 1 - int(np.floor(np.log10(std)))), 9)
     return f"{rate:.{decimals}f} ± {std:.{decimals}f} Hz"
 
@@ -219,7 +229,7 @@ def _in_order(
     if len(back):
         depth = float(np.max(np.maximum.accumulate(time) - time))
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
-            raise begins_again(table, column, time, rows)
+            raise _begins_again(table, column, time, rows)
         order = np.argsort(time, kind="stable")
         time, rows = time[order], rows[order]
         notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
@@ -243,6 +253,41 @@ def _in_order(
     return time, rows
 
 
+def _begins_again(table: Table, column: SourceColumn, time: Array, rows: Index) -> ImportProblem:
+    """Return the refusal of stamps that fall: where they always fall to the first one, the rows are runs."""
+    back = np.flatnonzero(np.diff(time) < 0.0) + 1
+    alike = np.abs(time[back] - time[0]) <= 2.0 * np.median(np.abs(np.diff(time)))
+    long = np.diff([0, *back, len(time)]) >= FEWEST_IN_A_RUN
+    where = place(table.path, table.line(int(rows[back[0]])), column.number)
+    what = f"the time stamp jumps back from {time[back[0] - 1]:.6g} s to {time[back[0]]:.6g} s"
+    if alike.all() and long.all():
+        done = f"{what}{table.at(rows[back[0]])}: the rows were cut where it does"
+        return NoClock(where, what, {"restarts": True}, done)
+    todo = (
+        "say in a recipe that the rows restart there (restarts = true), or that these are steps (time_step)"
+    )
+    return ImportProblem(f"{where}: {what}; {todo}; or {USE_RATE}")
+
+
+def _no_clock(where: str, time: Array, slope: float, stray: float) -> NoClock:
+    """Return the refusal of stamps (s) that stray by this rms (s) from the nearest even clock, of interval `slope` (s)."""
+    what = _strays(stray, slope)
+    todo = f"put the samples on an even clock with --resample; or {USE_RATE}"
+    remedy: dict[str, Any] = {"resample": True}
+    if np.mean(np.diff(time) == 0.0) >= OFTEN_EQUAL:
+        what += ", and many are equal to the one before"
+        todo, remedy = f"if the rows were read evenly, {USE_RATE}", {"rate": float(f"{1 / slope:.6g}")}
+    return NoClock(where, f"{what}; {todo}", remedy)
+
+
+def _strays(stray: float, slope: float) -> str:
+    """Say by how much stamps stray (rms, s) from an even clock of this interval (s)."""
+    return (
+        f"the time stamps stray by {1e3 * stray:.3g} ms rms from an even clock of {1.0 / slope:.6g} Hz "
+        f"({100.0 * stray / slope:.3g} % of a sampling interval)"
+    )
+
+
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
     return _line(np.arange(len(time)), time)[2]
@@ -255,7 +300,6 @@ def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index
     total = float(np.sum(np.maximum(np.rint(steps), 1.0))) + 1.0
     if total == len(time):
         return plain
-    holes = np.flatnonzero(steps > 1.5)
     if total > MAX_GROWTH * len(time) + 1000 or total > MAX_SAMPLES:
         worst = int(np.argmax(steps))
         raise problem(
@@ -263,8 +307,6 @@ def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index
             f"split the file there; or {USE_RATE}",
             line=table.line(int(rows[worst + 1])), column=column.number,
         )  # fmt: skip
-    if not len(holes):
-        return plain
     holed = np.concatenate(([0], np.cumsum(np.maximum(np.rint(steps), 1.0)))).astype(np.int64)
     return holed if _line(holed, time)[2] < 0.5 * _line(plain, time)[2] else plain
 

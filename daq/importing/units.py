@@ -102,9 +102,7 @@ def _table() -> dict[str, Unit]:
 
 
 UNITS = _table()
-_LOWER: dict[str, Unit] = {}
-for _name, _unit in UNITS.items():
-    _LOWER.setdefault(_name.lower(), _unit)
+_LOWER = {name.lower(): unit for name, unit in reversed(UNITS.items())}
 _FOLD = str.maketrans("µμ²³⁻¹−·⋅º", "uu23-1-..°", "^{} \u00a0")
 _SCALED = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*?\s*(\D.*)")
 

@@ -284,7 +284,7 @@ def load_profile(name: str, folder: Path) -> LineFormat:
         if file.stat().st_size > BIGGEST_PROFILE:
             raise ValueError("too large")
         return LineFormat.model_validate_json(file.read_bytes())
-    except (ValidationError, ValueError) as error:
+    except ValueError as error:
         what = first_fault(error) if isinstance(error, ValidationError) else str(error)
         raise OperatorError(
             f"{file}: is no profile of lines ({what}); make it again with `station profile`"

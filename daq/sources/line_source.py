@@ -38,16 +38,17 @@ class CountedIndex:
     def next(self, counter: float) -> int:
         """Return the index of the next line. Raises LinkLost where the counter restarts in between."""
         now = round(counter)
-        step = 1 if self._last is None else now - self._last
-        if self._last is not None and step <= 0:
-            wrap = next((w for w in WRAPS if NEAR_THE_END * w <= self._last < w and now < w), None)
+        last = now - 1 if self._last is None else self._last
+        step = now - last
+        if step <= 0:
+            wrap = next((w for w in WRAPS if NEAR_THE_END * w <= last < w and now < w), None)
             if wrap is None:
                 raise LinkLost(
-                    f"the counter went from {self._last} to {now}: the board restarted; what came before is kept"
+                    f"the counter went from {last} to {now}: the board restarted; what came before is kept"
                 )
             step += wrap
         if step > MOST_LOST:
-            raise BoardError(f"the counter jumps from {self._last} to {now}; is that column a counter?")
+            raise BoardError(f"the counter jumps from {last} to {now}; is that column a counter?")
         self._last = now
         self.index += step
         return self.index
@@ -68,8 +69,6 @@ class StampedIndex:
         """Return the index of the next line and its time since the first, s. Raises LinkLost where time goes back."""
         if self._first is None:
             self._first = self._last = stamp
-            self.index = 0
-            return 0, 0.0
         if stamp < self._last:
             if self._last < NEAR_THE_END * self._wrap:
                 raise LinkLost(
@@ -97,13 +96,12 @@ class LineSource:
         self._port = port
         self._cutter = LineCutter()
         self._unread = 0
-        self._last: dict[str, float] = {}
         self.sample = self._listen(listen_s)
         self.form = decide(self.sample)
         numbers = self.sample.columns.get(self.form.clock.column or "", np.zeros(2))
         self._numbered = bool(np.mean(np.diff(numbers) != 0) > NUMBERED)
         self._rate, self._rate_std = self._found_rate()
-        self._begin()
+        self.start()
 
     def describe(self) -> SourceDescription:
         """Return channels and rate, with a sentence on whose clock it is."""
@@ -118,41 +116,32 @@ class LineSource:
 
     def start(self) -> None:
         """Take the next line as the first sample."""
-        self._begin()
+        self._counted = CountedIndex()
+        wrap = self.form.clock.scale * 2.0**COUNTER_BITS
+        self._stamped = StampedIndex(self._rate, wrap)
+        self._lines = 0
+        self._last: dict[str, float] = {}
 
     def read(self) -> list[Reading]:
         """Return the samples of the lines that have come, a reading for each run of indices without a hole."""
         data = self._port.read()
-        runs: list[list[tuple[int, float, list[float]]]] = []
+        rows: list[tuple[float, ...]] = []
         for text in self._cutter.feed(data):
             line = self._understood(text)
             if line is None or (self._numbered and line == self._last):
                 continue  # the same line again, its number and all, is no other sample
             self._last = line
-            index, stamp = self._placed(line)
-            row = (index, stamp, [c.scale * line[c.column] for c in self.form.channels])
-            if runs and runs[-1][-1][0] == index - 1:
-                runs[-1].append(row)
-            else:
-                runs.append([row])
-        raw = Reading(0, np.empty((0, len(self.form.channels))), raw=data)
-        return [raw, *(self._reading(run) for run in runs)]
-
-    def _reading(self, run: list[tuple[int, float, list[float]]]) -> Reading:
-        samples = np.array([values for _, _, values in run], dtype=np.float64)
-        stamps = np.array([stamp for _, stamp, _ in run]) * 1e6
-        return Reading(run[0][0], samples, stamps if self.form.clock.kind == "stamps" else None)
+            rows.append((*self._placed(line), *(c.scale * line[c.column] for c in self.form.channels)))
+        table = np.array(rows, dtype=np.float64).reshape(-1, 2 + len(self.form.channels))
+        found = [Reading(0, table[:0, 2:], raw=data)]
+        for part in np.split(table, np.flatnonzero(np.diff(table[:, 0]) != 1.0) + 1) if rows else ():
+            stamps = 1e6 * part[:, 1] if self.form.clock.kind == "stamps" else None
+            found.append(Reading(int(part[0, 0]), part[:, 2:], stamps))
+        return found
 
     def close(self) -> None:
         """Give the port back."""
         self._port.close()
-
-    def _begin(self) -> None:
-        self._counted = CountedIndex()
-        wrap = self.form.clock.scale * 2.0**COUNTER_BITS
-        self._stamped = StampedIndex(self._rate, wrap)
-        self._lines = 0
-        self._last = {}
 
     def _placed(self, line: dict[str, float]) -> tuple[int, float]:
         clock = self.form.clock
@@ -240,7 +229,8 @@ class LineSource:
         if form.rate_hz is not None:
             return form.rate_hz, 0.0
         if clock.kind == "counter":
-            number = _unwrapped(number)
+            counted = CountedIndex()
+            number = np.array([counted.next(value) for value in number], dtype=np.float64)
         late = slice(len(number) // 8, None)  # what lay in a buffer came at once
         found = fit_arrivals(number[late].astype(int).tolist(), arrivals[late].tolist())
         if found is None or not np.isfinite(found.std):
@@ -275,8 +265,3 @@ def _rate_of(times: Array) -> tuple[float, float]:
     if found is None:
         raise BoardError("the time stamps are too few or rise too unevenly to tell a rate; give --rate")
     return found.rate, found.std
-
-
-def _unwrapped(counter: Array) -> Array:
-    counted = CountedIndex()
-    return np.array([counted.next(value) for value in counter], dtype=np.float64)

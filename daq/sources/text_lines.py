@@ -28,16 +28,11 @@ class LineCutter:
     def feed(self, data: bytes) -> list[str]:
         """Return the lines that are complete now."""
         *whole, self._rest = (self._rest + data).split(b"\n")
-        if len(self._rest) > LONGEST:
-            self._rest, self._skipping = b"", True
-            return self._text(whole)
         if whole and self._skipping:
             whole, self._skipping = whole[1:], False
-        return self._text(whole)
-
-    @staticmethod
-    def _text(lines: list[bytes]) -> list[str]:
-        return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in lines if len(line) <= LONGEST]
+        if len(self._rest) > LONGEST:
+            self._rest, self._skipping = b"", True
+        return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in whole if len(line) <= LONGEST]
 
 
 def parse_line(text: str) -> dict[str, float] | None:
@@ -94,13 +89,10 @@ def _from_json(text: str) -> dict[str, float] | None:
 
 
 def _flat(name: str, value: object) -> list[tuple[str, float]]:
-    if isinstance(value, bool):
-        return []
-    if isinstance(value, int | float):
-        number = float(value) if abs(value) < 1e300 else math.nan
-        return [(name, number)]
     if isinstance(value, list):
         return [pair for i, one in enumerate(value[:MOST_COLUMNS], 1) for pair in _flat(f"{name}.{i}", one)]
     if value is None:
-        return [(name, math.nan)]
-    return []
+        value = math.nan
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return []
+    return [(name, float(value) if abs(value) < 1e300 else math.nan)]

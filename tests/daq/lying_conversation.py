@@ -12,8 +12,7 @@ import numpy as np
 
 from daq.capture import RESEND_FOR_S, CaptureSettings, capture
 from daq.errors import StationError
-from daq.frame_reader import FrameReader
-from daq.link import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
+from daq.link import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S, FrameReader
 from daq.session import Session
 from firmware_protocol import Frame
 from mocks.lying_board import LyingBoard
@@ -79,7 +78,7 @@ def reader_of(clock: Clock) -> type[FrameReader]:
 
         def take(self, timeout: float) -> tuple[float, Frame] | None:
             until = clock.now + max(timeout, 1e-4)
-            while self._queue.empty() and self._failure is None and clock.now < until:
+            while self._queue.empty() and clock.now < until:
                 try:
                     if not self.read_once():
                         clock.now = min(clock.now + TICK_S, until)

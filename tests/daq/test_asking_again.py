@@ -10,9 +10,8 @@ from scripted_board import ScriptedBoard, decay
 from daq.capture import CaptureSettings, capture
 from daq.decode import MAX_MISSING
 from daq.errors import BoardError, DataLost, LinkLost, OperatorError, PortError
-from daq.frame_reader import MOST_BYTES
 from daq.importing import errors
-from daq.link import Link
+from daq.link import MOST_BYTES, Link
 from daq.raw_log import MAX_LOG
 from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Start, Stop, encode
 

@@ -19,8 +19,8 @@ def watch(samples: np.ndarray, channels: tuple[Channel, ...] = BOTH, block: int 
         part = samples[:, first : first + block]
         if not period.complete:
             period.feed(part)
-        if trigger is None and period.rest is not None:
-            trigger = Trigger(channels, RATE, period.rest, again(samples))
+        if trigger is None and period.noise is not None:
+            trigger = Trigger(channels, RATE, period.noise, again(samples))
         if trigger is not None:
             found = trigger.feed(first, part)
             if found is not None:
@@ -151,9 +151,9 @@ def test_lost_samples_do_not_keep_the_trigger_from_coming() -> None:
     trigger_at = watch(samples)
     rest = RestPeriod(BOTH, RATE, 0.5)
     rest.feed(samples[:, :200])
-    assert rest.rest is not None
+    assert rest.noise is not None
     came = np.full_like(samples, np.nan)
-    trigger = Trigger(BOTH, RATE, rest.rest, again(came))
+    trigger = Trigger(BOTH, RATE, rest.noise, again(came))
     found = None
     for first in range(0, 1400, 16):
         if first % 160 != 80 and found is None:
@@ -187,8 +187,8 @@ def test_a_level_given_by_the_operator_makes_small_releases_count() -> None:
     samples = decay(1400, 400) * 0.02 + 0.98 * noise(1400, 3)
     period = RestPeriod(BOTH, RATE, 0.5, level=1e-4)
     period.feed(samples[:, :300])
-    assert period.rest is not None
-    found = Trigger(BOTH, RATE, period.rest, again(samples), 1e-4).feed(300, samples[:, 300:])
+    assert period.noise is not None
+    found = Trigger(BOTH, RATE, period.noise, again(samples), 1e-4).feed(300, samples[:, 300:])
     assert found is not None
 
 
@@ -196,9 +196,9 @@ def test_rest_gives_the_noise_of_each_channel() -> None:
     period = RestPeriod(BOTH, RATE, 8.0)
     period.feed(noise(2048))
     assert period.complete
-    assert period.rest is not None
+    assert period.noise is not None
     # the standard error of a standard deviation from 2048 samples is 1.6 %; four of them
-    assert period.rest.noise == pytest.approx([NOISE_X, NOISE_A], rel=0.064)
+    assert period.noise == pytest.approx([NOISE_X, NOISE_A], rel=0.064)
 
 
 def test_a_moving_mass_is_not_at_rest() -> None:

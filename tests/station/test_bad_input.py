@@ -122,10 +122,13 @@ def test_a_model_with_an_endless_name_is_refused_in_one_short_sentence(tmp_path:
 def test_channels_near_the_largest_number_raise_no_suspicion_and_no_warning() -> None:
     import numpy as np
 
-    from daq.wiring_check import suspicions
+    from daq.quality import wiring
+    from daq.recording import Channel, Recording
 
     t = np.arange(300) / 256.0
-    assert not list(suspicions(1e300 * np.cos(25 * t), -1e300 * np.cos(25 * t), 256.0))
+    channels = Channel("x", "displacement", "m"), Channel("a", "acceleration", "m/s^2")
+    samples = np.stack([1e300 * np.cos(25 * t), -1e300 * np.cos(25 * t)])
+    assert not list(wiring(Recording(256.0, channels, samples, np.ones(300, dtype=bool))))
 
 
 def test_a_data_file_that_holds_python_is_never_run(tmp_path: Path, by_name: dict[str, Reader]) -> None:

@@ -59,5 +59,5 @@ def test_what_is_no_clock_is_refused(text: str) -> None:
 
 def test_a_column_names_its_first_bad_cell() -> None:
     found = parse_column(["1.5", "", "oops", "2"], ".")
-    assert found.bad == 2
+    assert found.bad == (2, "oops")
     np.testing.assert_array_equal(found.values, [1.5, np.nan, np.nan, 2.0])

@@ -60,6 +60,13 @@ def test_a_line_that_never_ends_takes_no_memory():
     assert cutter.feed(b"7\n1,2\n") == ["1,2"]
 
 
+def test_the_end_of_a_line_that_was_thrown_away_is_no_line():
+    cutter = LineCutter()
+    cutter.feed(b"7" * 5000)
+    assert cutter.feed(b"8,9\n" + b"7" * 5000) == []
+    assert cutter.feed(b"\n1,2\n") == ["1,2"]
+
+
 @given(st.lists(st.binary(max_size=40), max_size=30))
 def test_any_bytes_are_cut_and_read_without_an_error(parts):
     cutter = LineCutter()
