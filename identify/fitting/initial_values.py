@@ -202,5 +202,7 @@ def close_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
 
 def _named(term: Term, starts: Starts) -> tuple[dict[str, float], ...]:
     effect = term.effect
-    names = [p.name for p in effect.started if p.name not in term.held]
-    return tuple(dict(zip(names, start, strict=True)) for start in starts)
+    in_variants = {key for variant in effect.variants for key in variant}
+    names = [p.name for p in effect.started if p.name not in in_variants]
+    each = (zip(names, start, strict=True) for start in starts)
+    return tuple({name: value for name, value in one if name not in term.held} for one in each)
