@@ -144,7 +144,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
         parts.append(f"This rig cannot exclude {laws}, which {has} more parameters and {explains} no more.")
     named = next(one.fit for one in found.hypotheses if one.names == leading(found))
     for one in found.hypotheses:
-        if one.within and one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
+        if one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
@@ -173,7 +173,7 @@ def _near(found: Diagnosis) -> list[Hypothesis]:
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
     """Check whether another hypothesis has more parameters than what is named, yet explains no more."""
     named = next(one for one in found.hypotheses if one.names == leading(found))
-    own = len(other.fit.parameters) + len(other.within or ())
+    own = len(other.fit.parameters) + len(other.within)
     more = own > len(named.fit.parameters)
     return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN
 

@@ -45,7 +45,7 @@ class Hypothesis:
     log_odds: float
     shape: NonparametricForce | None = None
     walk: RandomWalk | None = None
-    within: Mapping[str, float] | None = None
+    within: Mapping[str, float] = field(default_factory=dict)
     reach: Mapping[str, float] = field(default_factory=dict)
     free: Fit | None = None
 
@@ -114,13 +114,11 @@ def hypotheses_of(
     for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
-    weighed, none = (
-        [],
-        float(np.log(max(len(suspects), 1))),
-    )  # to begin with as probable as all suspects together
+    none = float(np.log(max(len(suspects), 1)))  # to begin with as probable as all suspects together
+    weighed = []
     for one in found.values():
-        known = log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
-        weighed.append(replace(one, log_odds=known if one.names else known + none))
+        known = _log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
+        weighed.append(replace(one, log_odds=known if one.names else none))
     if shape is not None and shape.shapes:
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
     if walk is not None:
@@ -169,13 +167,10 @@ def with_rivals(
     return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
 
 
-def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
+def _log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float) -> float:
     """Return the evidence (nats) of a hypothesis against the `base` without its effects, in noise `widened` by a factor."""
-    if one.fit is base:
-        return 0.0
-    if one.free is None:
-        return evidence(base, one.fit, scales, widened)
-    return 0.5 * (base.chi_square - one.fit.chi_square) / widened - price(base, one.free, scales, widened)
+    gain = 0.5 * (base.chi_square - one.fit.chi_square) / widened
+    return gain - price(base, one.free or one.fit, scales, widened)
 
 
 def _of_shape(base: Fit, widened: float) -> float:

@@ -9,13 +9,8 @@ import numpy as np
 from identify.arrays import Array
 from identify.fitting.fit import Fit
 from identify.formatting import odds_words
-from identify.planning.expected_evidence import (
-    ExpectedEvidence,
-    draw_parameters,
-    expected_evidence,
-    refitted,
-)
-from identify.planning.experiment import Experiment, has_memory, signed_amplitude
+from identify.planning.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence, refitted
+from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.so_far import SoFar
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -41,8 +36,7 @@ _REACH = (0.25, 1.5)
 """Shares of the largest amplitude so far between which a release is sought where nobody has said what the rig allows."""
 
 _HANDLING_S = 30.0
-_REBUILDING_S = 600.0
-"""What a release takes besides its record, and what a change to the rig takes: guesses, used to compare experiments."""
+"""What a release takes besides its record: a guess, used to compare experiments."""
 
 _ADDED_MASS = 0.1
 _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "velocity": "acceleration"}
@@ -50,35 +44,28 @@ _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "vel
 
 @dataclass(frozen=True)
 class Limits:
-    """The displacements (positive, in their unit) between which a rig can be released, and the mass (kg) that can be added.
+    """The displacements (positive, in their unit) between which a rig can be released.
 
     `ways` are other things that can be done: "push" the mass, record "longer" or "faster", "rest" it before.
     """
 
     low: float
     high: float
-    mass: float | None = None
     ways: tuple[str, ...] = ("push", "longer", "faster", "rest")
 
 
 @dataclass(frozen=True)
 class Option:
-    """An experiment with the evidence that it should give between two hypotheses (nats), and its time (s).
+    """An experiment with the evidence that it should give between two hypotheses (nats).
 
-    `scatter` is the standard deviation over what is not known of the parameters, and over noise. `decides` is the evidence
-    between all that is open, by their odds, of which no more counts than decides.
+    `scatter` is the standard deviation over what is not known of the parameters, and over noise. `worth` is the evidence a
+    minute that decides something between all that is open; where that is as much, all evidence between the two.
     """
 
     experiment: Experiment
     nats: float
     scatter: float
-    seconds: float
-    decides: float
-
-    @property
-    def worth(self) -> tuple[float, float]:
-        """Evidence that decides something, a minute; where that is as much, all evidence."""
-        return round(60.0 * self.decides / self.seconds, 2), self.nats
+    worth: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,14 +144,13 @@ def next_release(
     decays: Sequence[PreparedDecay],
     hypotheses: Sequence[Hypothesis],
     limits: Limits | None = None,
-    hiding: Sequence[Hypothesis] | None = None,
+    hiding: Sequence[Hypothesis] = (),
 ) -> NextRelease | None:
     """Choose the release with the most expected evidence for its time; None where nothing is open or can be simulated.
 
     `decays` are the releases so far. It decides between the hypotheses that are open, and shows what can still hide beside
-    the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `hiding` the two likeliest count as
-    open where the odds have settled it; without `limits` amplitudes up to one and a half times the largest so far are
-    thought of.
+    the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `limits` the two likeliest count as
+    open where the odds have settled it, and amplitudes up to one and a half times the largest so far are thought of.
     """
     last = max(decays, key=lambda decay: decay.amplitude)
     if last.window.force is not None:
@@ -173,8 +159,8 @@ def next_release(
     if lead.has_law and not lead.names:
         question = _Question(last, tuple(hypotheses), 1, refits)
     else:
-        open_ = _open(hypotheses, at_least=2 if hiding is None else 1)
-        question = _Question(last, (*open_, *(hiding or ())), len(open_), refits)
+        open_ = _open(hypotheses, at_least=2 if limits is None else 1)
+        question = _Question(last, (*open_, *hiding), len(open_), refits)
     if not question.pairs:
         return None
     bounds = limits or Limits(_REACH[0] * last.amplitude, _REACH[1] * last.amplitude)
@@ -188,22 +174,17 @@ def next_release(
         tried = question.refined([*tried, *varied])
     pair = question.pair(tried)
     tried = [question.refitted(one, [pair]) if one.experiment == again else one for one in tried]
-    options = {id(one): question.option(one, pair) for one in tried}
-    best_option = max((options[id(one)] for one in tried if pair in one.refitted), key=lambda one: one.worth)
-    same = next((option for option in options.values() if option.experiment == again), None)
-    instead = None
-    if best_option.nats < RIVALS_WITHIN and pair[0] < question.first_hiding:
-        changed = [
-            question.option(one, pair) for one in question.ask(_changes(best_option.experiment, last, bounds))
-        ]
-        instead = max(
-            (o for o in changed if o.nats >= RIVALS_WITHIN), key=lambda one: one.worth, default=None
-        )
+    options = tuple(question.option(one, pair) for one in tried)
+    known = (option for option, one in zip(options, tried, strict=True) if pair in one.refitted)
+    chosen = max(known, key=lambda option: option.worth)
+    same = next((option for option in options if option.experiment == again), None)
+    instead, hidden = None, pair[0] >= question.first_hiding
+    if chosen.nats < RIVALS_WITHIN and not hidden:
+        changed = (question.option(one, pair) for one in question.ask(_changes(chosen.experiment, last)))
+        enough = (option for option in changed if option.nats >= RIVALS_WITHIN)
+        instead = max(enough, key=lambda option: option.nats, default=None)
     names = (question.considered[pair[0]].title, question.considered[pair[1]].title)
-    hidden = pair[0] >= question.first_hiding
-    return NextRelease(
-        best_option, same, instead, names, tuple(options.values()), last.window.unit, last.mass, hidden
-    )
+    return NextRelease(chosen, same, instead, names, options, last.window.unit, last.mass, hidden)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +221,7 @@ class _Question:
         wanted = [pair for pair in pairs if pair not in one.refitted]
         if not wanted:
             return one
-        return refitted(one, self.last, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
+        return refitted(one, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
 
     def refined(self, tried: list[ExpectedEvidence]) -> list[ExpectedEvidence]:
         """Refit the pairs that count most for the leading experiments."""
@@ -250,15 +231,13 @@ class _Question:
             for pair, weight in zip(self.pairs, weights, strict=True)
             if weight >= _COUNTS * weights.max()
         ]
-        done = 0
-        while tried and done < self.refits:
+        for _ in range(self.refits if tried else 0):
             at = max(range(len(tried)), key=lambda i: self._by_worth(tried[i]))
             pairs = {*leading, self.pair(tried)}
             again = self.refitted(tried[at], sorted(pairs))
             if again is tried[at]:
                 break
             tried = [*tried[:at], again, *tried[at + 1 :]]
-            done += 1
         return tried
 
     def best(self, tried: Sequence[ExpectedEvidence]) -> ExpectedEvidence:
@@ -311,9 +290,9 @@ class _Question:
         mean = float(np.nan_to_num(_mean(nats)))
         noise = 2.0 * mean  # the variance of half a difference of chi-square
         spread = float(np.nanvar(nats)) if np.isfinite(nats).any() else 0.0
-        length = one.longer * len(self.last.window) / self.last.window.rate
-        seconds = (_REBUILDING_S if one.changes_rig else 0.0) + _HANDLING_S + length
-        return Option(one, mean, float(np.sqrt(spread + noise)), seconds, self.decides(found))
+        seconds = _HANDLING_S + one.longer * len(self.last.window) / self.last.window.rate
+        worth = (round(60.0 * self.decides(found) / seconds, 2), mean)
+        return Option(one, mean, float(np.sqrt(spread + noise)), worth)
 
 
 def _mean(nats: Array) -> float:
@@ -325,8 +304,7 @@ def _open(hypotheses: Sequence[Hypothesis], *, at_least: int) -> tuple[Hypothesi
     """List the open hypotheses: only the likeliest where all others together have no more than DOUBT."""
     if odds(hypotheses)[0] >= 1.0 - DOUBT:
         return tuple(hypotheses[:at_least])
-    found = [one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN]
-    return tuple(found if len(found) > 1 else hypotheses[:2])
+    return tuple(one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN)
 
 
 def _figures(amplitude: float) -> float:
@@ -336,7 +314,7 @@ def _figures(amplitude: float) -> float:
 
 def _amplitudes(limits: Limits, last: PreparedDecay) -> list[float]:
     side = float(np.sign(signed_amplitude(last)))
-    sizes = np.geomspace(limits.low, limits.high, _STEPS) if limits.low > 0.0 else [limits.high]
+    sizes = np.geomspace(limits.low, limits.high, _STEPS)
     return [way * side * _figures(size) for size in sizes for way in (1.0, -1.0)]
 
 
@@ -352,16 +330,17 @@ def _variations(best: Experiment, found: Fit, limits: Limits) -> list[Experiment
         "faster": replace(best, faster=4.0),
         "rest": replace(best, rested=True),
     }
-    if not has_memory(found) or found.windows[0].pre_release is not None:
+    memory = any(term.force.states and term.force.fading_memory for term in found.model.forces)
+    if not memory or found.windows[0].pre_release is not None:
         every.pop("rest")
     return [experiment for way, experiment in every.items() if way in limits.ways]
 
 
-def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Experiment]:
-    heavier = limits.mass / last.mass if limits.mass and last.mass else _ADDED_MASS
+def _changes(best: Experiment, last: PreparedDecay) -> list[Experiment]:
+    """List the changes to the rig that may help: an added mass, or a sensor of what is not measured."""
     sensor = _SENSORS[last.window.channels[0]]
     more = [replace(best, sensor=sensor)] if sensor not in last.window.channels else []
-    return [replace(best, heavier=heavier), *more]
+    return [replace(best, heavier=_ADDED_MASS), *more]
 
 
 def _capital(sentence: str) -> str:
