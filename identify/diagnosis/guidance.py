@@ -7,7 +7,7 @@ from identify.diagnosis.diagnose import Diagnosis
 from identify.formatting import among, plain_name
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
-from identify.planning.next_release import Limits, NextRelease
+from identify.planning.next_release import Limits, NextRelease, amplitude_words
 from identify.priors import DECIDES, DOUBT, RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
@@ -135,8 +135,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
     """Say what a test cannot exclude where a law is confirmed: other laws, and what begins above all releases; or ""."""
     parts, reach = [], _reach(found)
     if reach < _REACHED * limits.high:
-        unit = found.baseline.decays[0].window.unit
-        amplitude = f"{1e3 * reach:.3g} mm" if unit == "m" else f"{reach:.3g} {unit}"
+        amplitude = amplitude_words(reach, found.baseline.decays[0].window.unit)
         parts.append(f"A force that begins above {amplitude} was not seen.")
     if near:
         has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")

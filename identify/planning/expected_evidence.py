@@ -16,7 +16,7 @@ from identify.arrays import Array
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
-from identify.judging.nonparametric_force import coordinates
+from identify.judging.nonparametric_force import NonparametricForce, coordinates
 from identify.planning.experiment import Experiment, carried_over, signed_amplitude, window_of
 from identify.planning.hypotheses import Hypothesis
 from identify.planning.so_far import SoFar
@@ -82,15 +82,13 @@ class Carried:
             step = _solve(jacobian @ jacobian.T + self.precision, gradient)
             moved = np.clip(theta - step, self.problem.low, self.problem.high)
             again, slope = linearise(self.problem, moved)
-            if not np.isfinite(again).all():
-                break
             off = moved - self.centre
             new = float(np.sum((again - target) ** 2) + off @ self.precision @ off)
             if not new < cost or not _sound(slope.blocks[0]):
                 break
-            theta, misfit, jacobian, better = moved, again, slope.blocks[0], cost - new
-            cost = new
-            if better < 1.0:
+            theta, misfit, jacobian = moved, again, slope.blocks[0]
+            gained, cost = cost - new, new
+            if gained < 1.0:
                 break
         return _kept(jacobian, self.precision, misfit - target, theta - self.centre)
 
@@ -263,14 +261,14 @@ def _readings(own: Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str,
 
 def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
     """Return the force per unit mass that acts beside the fit of a hypothesis, along a motion, (n,)."""
-    if one.shape is not None:  # beyond where it was seen it stays as it is
-        first = one.shape.shapes[0]
+    if isinstance(one.beside, NonparametricForce):  # beyond where it was seen it stays as it is
+        first = one.beside.shapes[0]
         position, factor = coordinates(time, u, v)[first.coordinate]
         return np.asarray(np.interp(position, first.position, first.force) * factor)
-    assert one.walk is not None
+    assert one.beside is not None
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
-    return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
+    return np.asarray(one.beside.stiffness * stiffer * w**2 * u + one.beside.damping * damped * w * v)
 
 
 def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> float:

@@ -49,13 +49,11 @@ def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) ->
     motion = experiment.amplitude * np.cos(w * np.sqrt(heavier) * clock)
     readings = {c: motion * w ** CHANNELS.index(c) for c in channels}
     used = np.arange(samples) >= window.lead
-    before = window.pre_release
-    if before is not None:
-        before = PreReleaseMotion(before.time, scale * before.displacement, scale * before.velocity)
-    if experiment.push:
-        before = None
-    elif experiment.rested:
+    before = None if experiment.push else window.pre_release
+    if experiment.rested:
         before = _held_before(experiment.amplitude, w, window.time)
+    elif before is not None:
+        before = PreReleaseMotion(before.time, scale * before.displacement, scale * before.velocity)
     made = replace(
         window,
         readings=readings,

@@ -119,25 +119,27 @@ class NextRelease:
             return sentence
         return f"{sentence} The same amplitude again would give odds of {odds_words(self.same.nats)}."
 
-    def amplitude_words(self, experiment: Experiment) -> str:
-        """Return the amplitude of an experiment with its unit."""
-        if self.unit == "m" and abs(experiment.amplitude) < 1.0:
-            return f"{1e3 * experiment.amplitude:.3g} mm".replace("-", "−")
-        return f"{experiment.amplitude:.3g} {self.unit}".replace("-", "−")
-
     def _do(self, one: Experiment) -> str:
+        amplitude = amplitude_words(one.amplitude, self.unit)
         if one.heavier:
             added = (
                 f"{one.heavier:.0%} of the mass" if self.mass is None else f"{one.heavier * self.mass:.2g} kg"
             )
-            return f"an added mass of {added}, released from {self.amplitude_words(one)},"
+            return f"an added mass of {added}, released from {amplitude},"
         if one.sensor:
-            return f"a second sensor, of {one.sensor}, at a release from {self.amplitude_words(one)}"
+            return f"a second sensor, of {one.sensor}, at a release from {amplitude}"
         way = "push the mass so that it swings to" if one.push else "release from"
         more = [f"record {one.longer:g} times as long"] if one.longer > 1.0 else []
         more += [f"at {one.faster:g} times the rate"] if one.faster > 1.0 else []
         more += ["hold it still for some seconds before"] if one.rested else []
-        return ", ".join([f"{way} {self.amplitude_words(one)}", *more])
+        return ", ".join([f"{way} {amplitude}", *more])
+
+
+def amplitude_words(amplitude: float, unit: str) -> str:
+    """Return an amplitude with its unit, mm for m."""
+    in_millimetres = unit == "m" and abs(amplitude) < 1.0
+    words = f"{1e3 * amplitude:.3g} mm" if in_millimetres else f"{amplitude:.3g} {unit}"
+    return words.replace("-", "−")
 
 
 def next_release(
@@ -168,7 +170,7 @@ def next_release(
     tried = question.refined(question.ask([*map(Experiment, _amplitudes(bounds, last)), again]))
     if not tried:
         return None
-    best = question.best(tried)
+    best = max((one for one in tried if one.refitted), key=question.worth)
     if question.first_hiding > 1 and question.decides(best) < _ENOUGH * DECIDES:
         varied = question.ask(_variations(best.experiment, lead.fit, bounds))
         tried = question.refined([*tried, *varied])
@@ -232,7 +234,7 @@ class _Question:
             if weight >= _COUNTS * weights.max()
         ]
         for _ in range(self.refits if tried else 0):
-            at = max(range(len(tried)), key=lambda i: self._by_worth(tried[i]))
+            at = max(range(len(tried)), key=lambda i: self.worth(tried[i]))
             pairs = {*leading, self.pair(tried)}
             again = self.refitted(tried[at], sorted(pairs))
             if again is tried[at]:
@@ -240,11 +242,8 @@ class _Question:
             tried = [*tried[:at], again, *tried[at + 1 :]]
         return tried
 
-    def best(self, tried: Sequence[ExpectedEvidence]) -> ExpectedEvidence:
-        """Choose the experiment of the most worth among those that were refitted."""
-        return max((one for one in tried if one.refitted), key=self._by_worth)
-
-    def _by_worth(self, one: ExpectedEvidence) -> tuple[float, float]:
+    def worth(self, one: ExpectedEvidence) -> tuple[float, float]:
+        """Return what an experiment is worth between the two hypotheses that it decides best."""
         return self.option(one, self.pair([one])).worth
 
     @cached_property

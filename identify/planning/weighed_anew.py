@@ -36,8 +36,10 @@ def weighed_anew(
 
 def _shared(found: Fit, releases: int) -> dict[str, float]:
     """Return the starting values of shared unknowns, and of sensors' faults, equal in each of so many releases."""
-    values = {u.name: v for u, v in zip(found.unknowns, found.theta.tolist(), strict=True) if u.window < 0}
+    values = {}
     for u, value in zip(found.unknowns, found.theta.tolist(), strict=True):
-        if u.window == 0 and u.id.role == "parameter":
+        if u.window < 0:
+            values[u.name] = value
+        elif u.window == 0 and u.id.role == "parameter":
             values |= {str(u.id.of_release(i, releases)): value for i in range(releases)}
     return values
