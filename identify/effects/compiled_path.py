@@ -26,31 +26,27 @@ def _between(x, whole, u, v, at):  # type: ignore[no-untyped-def]
     return u[at] + x * (whole * (v[at] + 0.5 * x * dv) + missed), v[at] + x * dv
 
 
-@compiled(nogil=True, error_model="numpy", forceinline=True)
-def _advanced(address, time, u, v, at, p, z, steps):  # type: ignore[no-untyped-def]
-    """Return the internal states at the sample after `at`, by `steps` steps of the classical Runge-Kutta method."""
-    whole = time[at + 1] - time[at]
-    h = whole / steps
-    for k in range(steps):
-        t = time[at] + k * h
-        u0, v0 = _between(k / steps, whole, u, v, at)
-        um, vm = _between((k + 0.5) / steps, whole, u, v, at)
-        u1, v1 = _between((k + 1.0) / steps, whole, u, v, at)
-        a0, a1 = call_rates(address, t, u0, v0, z, p)
-        b0, b1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1), p)
-        c0, c1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1), p)
-        d0, d1 = call_rates(address, t + h, u1, v1, (z[0] + h * c0, z[1] + h * c1), p)
-        z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
-    return z
-
-
 @compiled(nogil=True, error_model="numpy")
 def states_along(address, time, u, v, p, start, steps):  # type: ignore[no-untyped-def]
-    """Return the internal states, (n, 2), driven along a motion from `start` in `steps` steps between samples."""
+    """Return the internal states, (n, 2), driven along a motion from `start`.
+
+    By the classical Runge-Kutta method, in `steps` steps between samples.
+    """
     out = np.empty((u.shape[0], 2))
     z = (start[0], start[1])
     for i in range(u.shape[0] - 1):
         out[i, 0], out[i, 1] = z
-        z = _advanced(address, time, u, v, i, p, z, steps)
+        whole = time[i + 1] - time[i]
+        h = whole / steps
+        for k in range(steps):
+            t = time[i] + k * h
+            u0, v0 = _between(k / steps, whole, u, v, i)
+            um, vm = _between((k + 0.5) / steps, whole, u, v, i)
+            u1, v1 = _between((k + 1.0) / steps, whole, u, v, i)
+            a0, a1 = call_rates(address, t, u0, v0, z, p)
+            b0, b1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1), p)
+            c0, c1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1), p)
+            d0, d1 = call_rates(address, t + h, u1, v1, (z[0] + h * c0, z[1] + h * c1), p)
+            z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
     out[-1, 0], out[-1, 1] = z
     return out

@@ -162,9 +162,7 @@ def finished(
         force=effect_function(draft.force, cache=False),
         friction=None if draft.friction is None else effect_function(draft.friction, cache=False),
         rates=rates,
-        equilibrium_state=(_rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
-        if states
-        else None,
+        equilibrium_state=_rest_function(rates, states) if settles else None,
         states=states,
         fading_memory=settles or not states,
         starts=lambda scales: combinations(
