@@ -7,7 +7,7 @@ from identify.diagnosis.diagnose import Diagnosis
 from identify.formatting import among, plain_name
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
-from identify.planning.next_release import Limits, NextRelease
+from identify.planning.next_release import Limits, NextRelease, amplitude_words
 from identify.priors import DECIDES, DOUBT, RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
@@ -135,8 +135,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
     """Say what a test cannot exclude where a law is confirmed: other laws, and what begins above all releases; or ""."""
     parts, reach = [], _reach(found)
     if reach < _REACHED * limits.high:
-        unit = found.baseline.decays[0].window.unit
-        amplitude = f"{1e3 * reach:.3g} mm" if unit == "m" else f"{reach:.3g} {unit}"
+        amplitude = amplitude_words(reach, found.baseline.decays[0].window.unit)
         parts.append(f"A force that begins above {amplitude} was not seen.")
     if near:
         has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")
@@ -144,7 +143,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
         parts.append(f"This rig cannot exclude {laws}, which {has} more parameters and {explains} no more.")
     named = next(one.fit for one in found.hypotheses if one.names == leading(found))
     for one in found.hypotheses:
-        if one.within and one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
+        if one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
@@ -173,7 +172,7 @@ def _near(found: Diagnosis) -> list[Hypothesis]:
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
     """Check whether another hypothesis has more parameters than what is named, yet explains no more."""
     named = next(one for one in found.hypotheses if one.names == leading(found))
-    own = len(other.fit.parameters) + len(other.within or ())
+    own = len(other.fit.parameters) + len(other.within)
     more = own > len(named.fit.parameters)
     return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN
 

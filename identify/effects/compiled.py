@@ -24,24 +24,14 @@ FORCE = signature(_SCALAR, *_ARGUMENTS)
 RATES = signature(STATE_TUPLE, *_ARGUMENTS)
 
 
-def force_function(function: Callable[..., float], *, cache: bool = True) -> Any:
-    """Compile `function(t, u, v, z, p)` to a force, or a friction level, per unit mass (m/s^2).
+def effect_function(function: Callable[..., Any], kind: Any = FORCE, *, cache: bool = True) -> Any:
+    """Compile `function(t, u, v, z, p)` to a FORCE, or a friction level, per unit mass (m/s^2), or to RATES.
 
-    `z` is a tuple of two internal states, `p` of six parameters. What is kept on disk is loaded when it is first used; what
-    is not is compiled at once, so that a formula that cannot be compiled is refused where it is given.
+    `z` is a tuple of two internal states, of which RATES are the rates, `p` one of six parameters. What is kept on disk is
+    loaded when it is first used; what is not is compiled at once, so that a formula that cannot be compiled is refused where
+    it is given.
     """
-    return _compile(function, FORCE, cache)
-
-
-def rate_function(function: Callable[..., tuple[float, float]], *, cache: bool = True) -> Any:
-    """Compile `function(t, u, v, z, p)` to the rates of the two internal states."""
-    return _compile(function, RATES, cache)
-
-
-def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
-    return (
-        compiled(error_model="numpy")(function) if cache else njit(signature, error_model="numpy")(function)
-    )
+    return compiled(error_model="numpy")(function) if cache else njit(kind, error_model="numpy")(function)
 
 
 @lru_cache(maxsize=512)

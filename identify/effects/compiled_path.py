@@ -5,11 +5,6 @@ import numpy as np
 from identify.compilation import compiled
 from identify.effects.compiled import call_force, call_rates
 
-_MOST_TURNS = 400
-_TURNS_TO_NEWTON = 4
-_SETTLED = 1e-6
-"""Change of the states in one turn, in units of their size, below which they are periodic."""
-
 
 @compiled(nogil=True, error_model="numpy")
 def values_along(address, time, u, v, states, p):  # type: ignore[no-untyped-def]
@@ -31,84 +26,27 @@ def _between(x, whole, u, v, at):  # type: ignore[no-untyped-def]
     return u[at] + x * (whole * (v[at] + 0.5 * x * dv) + missed), v[at] + x * dv
 
 
-@compiled(nogil=True, error_model="numpy", forceinline=True)
-def _advanced(address, time, u, v, at, p, z, steps):  # type: ignore[no-untyped-def]
-    """Return the internal states at the sample after `at`, by `steps` steps of the classical Runge-Kutta method."""
-    whole = time[at + 1] - time[at]
-    h = whole / steps
-    for k in range(steps):
-        t = time[at] + k * h
-        u0, v0 = _between(k / steps, whole, u, v, at)
-        um, vm = _between((k + 0.5) / steps, whole, u, v, at)
-        u1, v1 = _between((k + 1.0) / steps, whole, u, v, at)
-        a0, a1 = call_rates(address, t, u0, v0, z, p)
-        b0, b1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1), p)
-        c0, c1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1), p)
-        d0, d1 = call_rates(address, t + h, u1, v1, (z[0] + h * c0, z[1] + h * c1), p)
-        z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
-    return z
-
-
 @compiled(nogil=True, error_model="numpy")
 def states_along(address, time, u, v, p, start, steps):  # type: ignore[no-untyped-def]
-    """Return the internal states, (n, 2), driven along a motion from `start` in `steps` steps between samples."""
+    """Return the internal states, (n, 2), driven along a motion from `start`.
+
+    By the classical Runge-Kutta method, in `steps` steps between samples.
+    """
     out = np.empty((u.shape[0], 2))
     z = (start[0], start[1])
     for i in range(u.shape[0] - 1):
         out[i, 0], out[i, 1] = z
-        z = _advanced(address, time, u, v, i, p, z, steps)
+        whole = time[i + 1] - time[i]
+        h = whole / steps
+        for k in range(steps):
+            t = time[i] + k * h
+            u0, v0 = _between(k / steps, whole, u, v, i)
+            um, vm = _between((k + 0.5) / steps, whole, u, v, i)
+            u1, v1 = _between((k + 1.0) / steps, whole, u, v, i)
+            a0, a1 = call_rates(address, t, u0, v0, z, p)
+            b0, b1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1), p)
+            c0, c1 = call_rates(address, t + 0.5 * h, um, vm, (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1), p)
+            d0, d1 = call_rates(address, t + h, u1, v1, (z[0] + h * c0, z[1] + h * c1), p)
+            z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
     out[-1, 0], out[-1, 1] = z
     return out
-
-
-@compiled(nogil=True, error_model="numpy", forceinline=True)
-def _turned(address, time, u, v, p, z):  # type: ignore[no-untyped-def]
-    """Return the internal states after a smooth motion."""
-    for i in range(u.shape[0] - 1):
-        z = _advanced(address, time, u, v, i, p, z, 1)
-    return z
-
-
-@compiled(nogil=True, error_model="numpy")
-def _closer(address, time, u, v, p, z, after, scale, states):  # type: ignore[no-untyped-def]
-    """Return the states that one step of Newton's method expects to come back to themselves."""
-    moved = _turned(address, time, u, v, p, (z[0] + 1e-4 * scale[0], z[1]))
-    a, c = 1.0 - (moved[0] - after[0]) / (1e-4 * scale[0]), -(moved[1] - after[1]) / (1e-4 * scale[0])
-    b, d = 0.0, 1.0
-    if states > 1:
-        moved = _turned(address, time, u, v, p, (z[0], z[1] + 1e-4 * scale[1]))
-        b, d = -(moved[0] - after[0]) / (1e-4 * scale[1]), 1.0 - (moved[1] - after[1]) / (1e-4 * scale[1])
-    else:
-        c = 0.0
-    determinant = a * d - b * c
-    if determinant == 0.0:
-        return after
-    e, f = after[0] - z[0], after[1] - z[1]
-    return (z[0] + (d * e - b * f) / determinant, z[1] + (a * f - c * e) / determinant)
-
-
-@compiled(nogil=True, error_model="numpy")
-def periodic_states(address, time, u, v, p, start, scale, states):  # type: ignore[no-untyped-def]
-    """Return the internal states, (2,), that one turn of a motion brings back to themselves, and whether they were found.
-
-    They are sought by turning round and by Newton's method on the map of one turn, which serves contracting and lightly
-    damped states alike; `scale` (2,) is how large the `states` are. A step of Newton's method that comes less near is
-    not taken.
-    """
-    z = (start[0], start[1])
-    after = _turned(address, time, u, v, p, z)
-    off = max(abs(after[0] - z[0]) / scale[0], abs(after[1] - z[1]) / scale[1])
-    for k in range(_MOST_TURNS):
-        if off < _SETTLED:
-            return z, True
-        next_z = after
-        next_after = _turned(address, time, u, v, p, next_z)
-        next_off = max(abs(next_after[0] - next_z[0]) / scale[0], abs(next_after[1] - next_z[1]) / scale[1])
-        if next_off >= _SETTLED and k % _TURNS_TO_NEWTON == 0:
-            near = _closer(address, time, u, v, p, next_z, next_after, scale, states)
-            near_after = _turned(address, time, u, v, p, near)
-            near_off = max(abs(near_after[0] - near[0]) / scale[0], abs(near_after[1] - near[1]) / scale[1])
-            if near_off < next_off:
-                next_z, next_after, next_off = near, near_after, near_off
-        z, after, off = next_z, next_after, next_off
-    return z, False

@@ -1,6 +1,6 @@
 """Contact: stops that are met at a gap, with and without loss, and play in a joint."""
 
-from identify.effects.compiled import force_function
+from identify.effects.compiled import effect_function
 from identify.effects.effect import Parameter, Scales, Starts, shares_of
 from identify.effects.force_effect import ForceEffect
 
@@ -23,7 +23,7 @@ _LOSS = Parameter(
 _SIDES: tuple[dict[str, float | str], ...] = ({"side": 1.0}, {"side": -1.0}, {"side": 0.0})
 
 
-@force_function
+@effect_function
 def _stop(t, u, v, z, p):  # type: ignore[no-untyped-def]
     """Stiffness, gap, side and loss in this order; an elastic stop has no loss."""
     force = 0.0

@@ -103,18 +103,16 @@ class Effect(ABC):
         return tuple(p.name for p in self.parameters[1:])
 
     @property
-    def started(self) -> tuple[Parameter, ...]:
-        """The parameters that `starting_values` gives; the others begin at what a regression finds."""
-        return self.parameters[1:]
-
-    @property
     def one_sided(self) -> bool:
         """Whether the readings can be changed in one direction only, so that chance gains nothing in half its draws."""
         return isfinite(self.strength.low)
 
     @abstractmethod
     def starting_values(self, scales: Scales, channel: str) -> Starts:
-        """Return starting values of `started`, less those that a variant holds; none where the channel is absent."""
+        """Return starting values of a force's inner parameters, or of all of a fault, less those that a variant holds.
+
+        There are none where the channel is absent.
+        """
 
     def close_starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return starting values over all that a fit may reach, so close that no place between them looks very different."""

@@ -1,6 +1,7 @@
 """A force per unit mass: its definition, and its values along a given motion."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf, isfinite
@@ -10,15 +11,8 @@ from typing import Any, cast
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import (
-    PARAMETERS,
-    RATES,
-    STATES,
-    address_of,
-    force_function,
-    rate_function,
-)
-from identify.effects.compiled_path import periodic_states, states_along, values_along
+from identify.effects.compiled import PARAMETERS, RATES, STATES, address_of, effect_function
+from identify.effects.compiled_path import states_along, values_along
 from identify.effects.effect import Effect, Scales, Starts
 
 Numbers = tuple[float, ...]
@@ -26,6 +20,11 @@ Numbers = tuple[float, ...]
 
 _STEPS = 4
 """Steps between two samples of a measured motion."""
+
+_MOST_TURNS = 400
+_TURNS_TO_NEWTON = 4
+_SETTLED = 1e-6
+"""Change of the states in one turn, in units of their size, below which they are periodic."""
 
 
 class LinearPart(IntEnum):
@@ -76,13 +75,9 @@ class ForceEffect(Effect):
     may_be_all_of: LinearPart | None = None
 
     def __post_init__(self) -> None:
-        for name, compile_ in (
-            ("force", force_function),
-            ("friction", force_function),
-            ("rates", rate_function),
-        ):
+        for name in ("force", "friction", "rates"):
             if isinstance(getattr(self, name), FunctionType):
-                object.__setattr__(self, name, compile_(getattr(self, name)))
+                object.__setattr__(self, name, effect_function(getattr(self, name)))
 
     @property
     def relative(self) -> bool:
@@ -134,6 +129,7 @@ class ForceEffect(Effect):
             return np.zeros((len(u), STATES))
         return cast(Array, states_along(address_of(self.rates, RATES), time, u, v, p, start, steps))
 
+    @np.errstate(over="ignore", invalid="ignore")  # of states that diverge
     def periodic_states(
         self,
         p: Numbers,
@@ -145,13 +141,29 @@ class ForceEffect(Effect):
     ) -> tuple[Array, bool]:
         """Return the internal states (n, 2) along a smooth turn (n,) that brings them back, and whether it does.
 
-        States of size `scale` are sought from `start`; zeros without memory.
+        States of size `scale` are sought from `start` by turning round and by Newton's method on the map of one turn, which
+        serves contracting and lightly damped states alike. A step of Newton's method that comes less near is not taken.
         """
-        if self.rates is None:
-            return np.zeros((len(u), STATES)), True
-        address = address_of(self.rates, RATES)
-        begun, found = periodic_states(address, time, u, v, p, start, scale, self.states)
-        return states_along(address, time, u, v, p, begun, 1), bool(found)
+
+        def turn(begun: Array) -> tuple[Array, Array, float]:
+            states = self.states_along(p, time, u, v, (begun[0], begun[1]), steps=1)
+            missed = states[-1] - begun
+            return states, missed, float(np.max(np.abs(missed) / scale))
+
+        kept, nudges = slice(self.states), 1e-4 * np.diag(scale)[: self.states]
+        states, missed, off = turn(np.array(start))
+        for k in range(_MOST_TURNS):
+            if off < _SETTLED:
+                return states, True
+            begun = states[-1].copy()
+            states, missed, off = turn(begun)
+            if off >= _SETTLED and k % _TURNS_TO_NEWTON == 0:
+                slopes = [(missed - turn(begun + nudge)[1])[kept] / nudge.sum() for nudge in nudges]
+                with suppress(np.linalg.LinAlgError):  # a state that every turn moves alike
+                    begun[kept] += np.linalg.solve(np.transpose(slopes), missed[kept])
+                near = turn(begun)
+                states, missed, off = near if near[2] < off else (states, missed, off)
+        return states, False
 
     def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""

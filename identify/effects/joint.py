@@ -4,7 +4,7 @@ from functools import partial
 from math import copysign
 
 from identify.arrays import Array
-from identify.effects.compiled import force_function
+from identify.effects.compiled import effect_function
 from identify.effects.effect import Parameter, shares_of
 from identify.effects.force_effect import ForceEffect
 
@@ -23,7 +23,7 @@ def _held_state(u: float, p: Array) -> tuple[float, float]:
 
 joint = partial(
     ForceEffect,
-    force=force_function(lambda t, u, v, z, p: p[0] * p[1] * z[0]),
+    force=effect_function(lambda t, u, v, z, p: p[0] * p[1] * z[0]),
     states=1,
     largest_state=1.0,
     fading_memory=False,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from identify.arrays import Array
-from identify.effects.effect import Effect, Parameter, Scales, Starts
+from identify.effects.effect import Effect, Scales, Starts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -30,11 +30,6 @@ class SensorFault(Effect):
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
     needs_other_channel: bool = False
     corrected_in_every_fit: bool = False
-
-    @property
-    def started(self) -> tuple[Parameter, ...]:
-        """All parameters."""
-        return self.parameters
 
     def starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return starting values of all parameters; none where the channel, or another one that it takes, is absent."""

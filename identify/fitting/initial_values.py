@@ -43,16 +43,12 @@ def rest_states(
 ) -> dict[ParameterId, float]:
     """Estimate the internal states of an effect with memory soon after the release, as if it were the only release."""
     effect = term.force
-    if effect.equilibrium_state is None:
+    if not effect.states:
         return {}
     values = {effect.strength.name: 0.0} | inner_values(term, inner)
-    first, second = effect.equilibrium_state(
-        displacement, np.array([values[p.name] for p in effect.parameters])
-    )
-    states = {term.state(0): first}
-    if effect.states > 1:
-        states[term.state(1)] = second or velocity
-    return states
+    p = np.array([values[parameter.name] for parameter in effect.parameters])
+    first, second = effect.states_at_rest(displacement, p)
+    return {term.state(j): state for j, state in enumerate((first, second or velocity)[: effect.states])}
 
 
 def inner_values(term: Term, inner: dict[str, float]) -> dict[str, float]:
@@ -202,5 +198,8 @@ def close_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
 
 def _named(term: Term, starts: Starts) -> tuple[dict[str, float], ...]:
     effect = term.effect
-    names = [p.name for p in effect.started if p.name not in term.held]
-    return tuple(dict(zip(names, start, strict=True)) for start in starts)
+    in_variants = {key for variant in effect.variants for key in variant}
+    started = effect.parameters[1:] if term.is_force else effect.parameters
+    names = [p.name for p in started if p.name not in in_variants]
+    each = (zip(names, start, strict=True) for start in starts)
+    return tuple({name: value for name, value in one if name not in term.held} for one in each)

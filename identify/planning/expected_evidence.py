@@ -16,15 +16,8 @@ from identify.arrays import Array
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
-from identify.judging.nonparametric_force import coordinates
-from identify.planning.experiment import (
-    Experiment,
-    carried_over,
-    cut_where_small,
-    signed_amplitude,
-    smallest_followed,
-    window_of,
-)
+from identify.judging.nonparametric_force import NonparametricForce, coordinates
+from identify.planning.experiment import Experiment, carried_over, signed_amplitude, window_of
 from identify.planning.hypotheses import Hypothesis
 from identify.planning.so_far import SoFar
 from identify.preprocessing.fit_window import FitWindow
@@ -52,17 +45,24 @@ class ExpectedEvidence:
     """The evidence expected of an experiment: `nats[i, j, d]` against hypothesis j where i is true, in draw d.
 
     (hypotheses, hypotheses, draws). It is nan on the diagonal and where the motion diverges. Until a pair is refitted it
-    is also nan in all draws but the first, the fit itself. `refitted` are the pairs refitted to the records themselves.
+    is also nan in all draws but the first, the fit itself. `refitted` are the pairs refitted to the records themselves,
+    `carried` the hypotheses as the experiment has them, None where the motion diverges.
     """
 
     experiment: Experiment
     nats: Array
+    carried: "tuple[Carried | None, ...]"
     refitted: frozenset[tuple[int, int]] = frozenset()
 
 
-@dataclass(eq=False)
-class _Carried:
-    """A hypothesis carried over to an experiment: where its fit begins, what the records so far say, what it predicts."""
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A hypothesis carried over to an experiment: where its fit begins, what the records so far say, what it predicts.
+
+    `centre` are the unknowns of its `problem`, `precision` and `spread` what is known of them and a root of their
+    covariance, `misfit` and `jacobian` are taken there. `shared` are the places of what belongs to all records, `factors`
+    by how much the experiment changes these.
+    """
 
     problem: Problem
     centre: Array
@@ -82,15 +82,13 @@ class _Carried:
             step = _solve(jacobian @ jacobian.T + self.precision, gradient)
             moved = np.clip(theta - step, self.problem.low, self.problem.high)
             again, slope = linearise(self.problem, moved)
-            if not np.isfinite(again).all():
-                break
             off = moved - self.centre
             new = float(np.sum((again - target) ** 2) + off @ self.precision @ off)
             if not new < cost or not _sound(slope.blocks[0]):
                 break
-            theta, misfit, jacobian, better = moved, again, slope.blocks[0], cost - new
-            cost = new
-            if better < 1.0:
+            theta, misfit, jacobian = moved, again, slope.blocks[0]
+            gained, cost = cost - new, new
+            if gained < 1.0:
                 break
         return _kept(jacobian, self.precision, misfit - target, theta - self.centre)
 
@@ -101,17 +99,15 @@ def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
     They follow the covariance of its fit. Far from the fit that covariance does not hold: a draw that contradicts the
     release of the fit is drawn back.
     """
-    random, found = np.random.default_rng([2019, seed]), one.fit
-    shared = [u.name for u in found.unknowns if u.window < 0]
-    drawn = np.zeros((_DRAWS, len(shared)))
+    random = np.random.default_rng([2019, seed])
+    drawn = np.zeros((_DRAWS, sum(u.window < 0 for u in one.fit.unknowns)))
     again = Experiment(signed_amplitude(last))
     window = _window(again, last, one)
-    own = None if window is None or not one.has_law else _carried(again, last, found, window)
+    own = None if window is None or not one.has_law else _carried(again, last, one.fit, window)
     if own is None:
         return drawn
-    at = [own.problem.index[name] for name in shared]
-    free = np.ones(len(own.centre), dtype=bool)
-    free[at] = False
+    of_the_record = np.delete(own.jacobian, own.shared, axis=0)
+    nothing = np.zeros(len(of_the_record))
     for row in drawn[1:]:
         normal = random.standard_normal(len(own.centre))
         offset = own.spread @ normal
@@ -119,12 +115,11 @@ def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
         for _ in range(_DRAWN_BACK):
             misfit = own.problem.residuals(np.clip(own.centre + offset, own.problem.low, own.problem.high))
             change = misfit - own.misfit
-            nothing = np.zeros((int(free.sum()),) * 2)
             if (
                 np.isfinite(misfit).all()
-                and _kept(own.jacobian[free], nothing, change, np.zeros(len(nothing))) < allowed
+                and _kept(of_the_record, np.diag(nothing), change, nothing) < allowed
             ):
-                row[:] = offset[at]
+                row[:] = offset[own.shared]
                 break
             offset = 0.5 * offset
     return drawn
@@ -145,7 +140,7 @@ def expected_evidence(
     window = _window(experiment, last, hypotheses[0])
     if window is None:
         return None
-    carried = [_carried(experiment, last, one.fit, window) for one in hypotheses]
+    carried = tuple(_carried(experiment, last, one.fit, window) for one in hypotheses)
     nats = np.full((len(hypotheses), len(hypotheses), _DRAWS), np.nan)
     for i in sorted({i for i, _ in pairs}):
         own = carried[i]
@@ -157,12 +152,11 @@ def expected_evidence(
             rival = carried[j]
             if rival is not None:
                 nats[i, j, 0] = np.clip(0.5 * rival.left(record), 0.0, _BEYOND)
-    return ExpectedEvidence(experiment, nats)
+    return ExpectedEvidence(experiment, nats, carried)
 
 
 def refitted(
     expected: ExpectedEvidence,
-    last: PreparedDecay,
     hypotheses: Sequence[Hypothesis],
     so_far: Sequence[SoFar],
     *,
@@ -171,16 +165,9 @@ def refitted(
 ) -> ExpectedEvidence:
     """Estimate the evidence again with some pairs refitted to the releases `so_far` and to the simulated one.
 
-    Of few draws; the scatter is then that of what is not known and of what linear theory had wrong. An experiment that
-    changes the rig stays as it is.
+    Of few draws; the scatter is then that of what is not known and of what linear theory had wrong.
     """
-    done = expected.refitted | frozenset(pairs)
-    window = _window(expected.experiment, last, hypotheses[0])
-    if window is None or expected.experiment.changes_rig:
-        return replace(expected, refitted=done)
-    needed = sorted({place for pair in pairs for place in pair})
-    carried = {i: _carried(expected.experiment, last, hypotheses[i].fit, window) for i in needed}
-    nats = expected.nats.copy()
+    carried, nats = expected.carried, expected.nats.copy()
     for i in sorted({i for i, _ in pairs}):
         own, one = carried[i], hypotheses[i]
         if own is None:
@@ -191,51 +178,49 @@ def refitted(
             for j, rival in rivals.items():
                 kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
                 nats[i, j, draw] = np.clip(0.5 * (kept - price), 0.0, _BEYOND)
-    return replace(expected, nats=nats, refitted=done)
+    return replace(expected, nats=nats, refitted=expected.refitted | frozenset(pairs))
 
 
 def _window(experiment: Experiment, last: PreparedDecay, first: Hypothesis) -> FitWindow | None:
-    """Return the window that an experiment would be compared in, by the likeliest hypothesis."""
+    """Return the window that an experiment would be compared in, by the likeliest hypothesis.
+
+    It ends at the amplitude down to which the motion of the `last` release is followed; None where the motion diverges, or
+    reaches that within five cycles.
+    """
     window = window_of(experiment, last, first.fit.windows[0])
     problem = Problem(first.fit.model, (window,), first.fit.frequency, coarse=True)
     theta = problem.theta(carried_over(experiment, last, first.fit)[0])
     motion = problem.respond(np.clip(theta, problem.low, problem.high), 0).displacement
     if not np.isfinite(motion).all() or not np.min(motion) < 0.0 < np.max(motion):
         return None
-    return cut_where_small(window, motion, smallest_followed(last), 2.0 * np.pi / last.frequency)
+    cycle = 2.0 * np.pi / last.frequency
+    smallest = np.max(np.abs(last.motion.displacement[-max(int(cycle * last.window.rate), 1) :]))
+    large = np.flatnonzero(np.abs(motion) >= smallest)
+    samples = int(large[-1] + 0.5 * cycle * window.rate) if len(large) else 0
+    return None if samples < 5.0 * cycle * window.rate else window.part(slice(samples))
 
 
-def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: FitWindow) -> _Carried | None:
+def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: FitWindow) -> Carried | None:
     problem = Problem(found.model, (window,), found.frequency, coarse=True)
     values, factors = carried_over(experiment, last, found)
     theta = np.clip(problem.theta(values), problem.low, problem.high)
     misfit, slope = linearise(problem, theta)
     if not (np.isfinite(misfit).all() and _sound(slope.blocks[0])):
         return None
-    precision, spread = _known(problem, found, factors)
-    names = [u.name for u in found.unknowns if u.window < 0]
-    return _Carried(
-        problem,
-        theta,
-        precision,
-        spread,
-        misfit,
-        slope.blocks[0],
-        [problem.index[name] for name in names],
-        np.array([factors[name] for name in names]),
-    )
+    at, factor = [problem.index[name] for name in factors], np.array(list(factors.values()))
+    precision, spread = _known(problem, found, at, factor)
+    return Carried(problem, theta, precision, spread, misfit, slope.blocks[0], at, factor)
 
 
-def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Array, Array]:
+def _known(problem: Problem, found: Fit, at: list[int], factor: Array) -> tuple[Array, Array]:
     """Return the precision of a problem's unknowns from the records so far, and a root of their covariance.
 
-    (unknowns, unknowns) each. Of what belongs to the new record alone they say nothing; what was held stays there.
+    (unknowns, unknowns) each. The shared ones are `at` places and changed by a `factor`. Of what belongs to the new
+    record alone they say nothing; what was held stays there.
     """
     shared = [i for i, u in enumerate(found.unknowns) if u.window < 0]
     names = [found.unknowns[i].name for i in shared]
-    factor = np.array([factors[n] for n in names])
     covariance = found.covariance[np.ix_(shared, shared)] * np.outer(factor, factor)
-    at = [problem.index[name] for name in names]
     own = problem.sizes(problem.theta(found.point))[at]
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     loose = np.array([n in found.unidentifiable for n in names], dtype=bool)
@@ -253,7 +238,7 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
     return precision, spread
 
 
-def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
+def _readings(own: Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
     """Simulate a hypothesis at each draw of its parameters; at its fit where the motion diverges.
 
     Of a law without a name they are alike; a random walk is another one each time.
@@ -276,14 +261,14 @@ def _readings(own: _Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str
 
 def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
     """Return the force per unit mass that acts beside the fit of a hypothesis, along a motion, (n,)."""
-    if one.shape is not None:  # beyond where it was seen it stays as it is
-        first = one.shape.shapes[0]
+    if isinstance(one.beside, NonparametricForce):  # beyond where it was seen it stays as it is
+        first = one.beside.shapes[0]
         position, factor = coordinates(time, u, v)[first.coordinate]
         return np.asarray(np.interp(position, first.position, first.force) * factor)
-    assert one.walk is not None
+    assert one.beside is not None
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
-    return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
+    return np.asarray(one.beside.stiffness * stiffer * w**2 * u + one.beside.damping * damped * w * v)
 
 
 def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> float:

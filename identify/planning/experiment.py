@@ -4,13 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.arrays import Array
-from identify.effects.force_effect import ForceEffect
 from identify.fitting.fit import Fit
+from identify.free_decay import CHANNELS
 from identify.preprocessing.fit_window import FitWindow, PreReleaseMotion
 from identify.preprocessing.prepared_decay import PreparedDecay
-
-_DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True)
@@ -29,11 +26,6 @@ class Experiment:
     sensor: str = ""
     rested: bool = False
 
-    @property
-    def changes_rig(self) -> bool:
-        """Whether the rig must be changed for it: an operator at the rig cannot just do it."""
-        return self.heavier > 0.0 or bool(self.sensor)
-
 
 def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) -> FitWindow:
     """Make the window of an experiment; its readings are a cosine until the experiment is simulated.
@@ -51,19 +43,17 @@ def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) ->
     channels = list(window.channels)
     if experiment.sensor:
         first = channels[0]
-        power = _DERIVATIVE[experiment.sensor] - _DERIVATIVE[first]
+        power = CHANNELS.index(experiment.sensor) - CHANNELS.index(first)
         sigma[experiment.sensor] = window.sigma[first] * w**power
         channels.append(experiment.sensor)
     motion = experiment.amplitude * np.cos(w * np.sqrt(heavier) * clock)
-    readings = {c: motion * w ** _DERIVATIVE[c] for c in channels}
+    readings = {c: motion * w ** CHANNELS.index(c) for c in channels}
     used = np.arange(samples) >= window.lead
-    before = window.pre_release
-    if before is not None:
-        before = PreReleaseMotion(before.time, scale * before.displacement, scale * before.velocity)
-    if experiment.push:
-        before = None
-    elif experiment.rested:
+    before = None if experiment.push else window.pre_release
+    if experiment.rested:
         before = _held_before(experiment.amplitude, w, window.time)
+    elif before is not None:
+        before = PreReleaseMotion(before.time, scale * before.displacement, scale * before.velocity)
     made = replace(
         window,
         readings=readings,
@@ -77,23 +67,6 @@ def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) ->
         own_linear=None,
     )
     return made.at_few_readings(w)
-
-
-def cut_where_small(
-    window: FitWindow, displacement: Array, smallest: float, cycle: float
-) -> FitWindow | None:
-    """Cut a window where a motion (n,) falls below an amplitude; None where fewer than five cycles remain."""
-    large = np.flatnonzero(np.abs(displacement) >= smallest)
-    samples = int(large[-1] + 0.5 * cycle * window.rate) if len(large) else 0
-    if samples < 5.0 * cycle * window.rate:
-        return None
-    return window.part(slice(samples))
-
-
-def smallest_followed(last: PreparedDecay) -> float:
-    """Return the amplitude down to which the motion of a release is followed, in its unit."""
-    cycle = max(int(2.0 * np.pi / last.frequency * last.window.rate), 1)
-    return float(np.max(np.abs(last.motion.displacement[-cycle:])))
 
 
 def carried_over(
@@ -121,14 +94,6 @@ def carried_over(
     if experiment.sensor:  # its own, which is not known yet
         values |= {"gain": 1.0}
     return values, factors
-
-
-def has_memory(found: Fit) -> bool:
-    """Check whether a fit has unknown internal states at the start of a release: a rest before it would fix them."""
-    return any(u.id.role == "state" for u in found.unknowns if u.window == 0) and any(
-        isinstance(t.effect, ForceEffect) and t.force.rates is not None and t.force.fading_memory
-        for t in found.model.forces
-    )
 
 
 def signed_amplitude(last: PreparedDecay) -> float:

@@ -35,26 +35,25 @@ _FREE_FORM = 24
 class Hypothesis:
     """A hypothesis: the effects beyond the diagnosed model, fitted; `log_odds` are relative, nats.
 
-    `shape` is the law without a name that acts beside the fit, `walk` a random walk of spring and damper that does; None
-    elsewhere. `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
+    `beside` is the law without a name, or the random walk of spring and damper, that acts beside the fit; None elsewhere.
+    `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
     `free`, the fit in which they do. `reach` are the ends of such ranges by unknown's name.
     """
 
     names: tuple[str, ...]
     fit: Fit
     log_odds: float
-    shape: NonparametricForce | None = None
-    walk: RandomWalk | None = None
-    within: Mapping[str, float] | None = None
+    beside: NonparametricForce | RandomWalk | None = None
+    within: Mapping[str, float] = field(default_factory=dict)
     reach: Mapping[str, float] = field(default_factory=dict)
     free: Fit | None = None
 
     @property
     def title(self) -> str:
         """The name in a sentence."""
-        if self.shape is not None:
+        if isinstance(self.beside, NonparametricForce):
             return "a law without a name"
-        if self.walk is not None:
+        if isinstance(self.beside, RandomWalk):
             return "a random walk of spring and damper"
         families = {family.effect.name for family in FAMILIES}
         called = [
@@ -65,7 +64,7 @@ class Hypothesis:
     @property
     def has_law(self) -> bool:
         """Whether it is a model that can be refitted: no random walk, no law without a name."""
-        return self.shape is None and self.walk is None
+        return self.beside is None
 
     def contains(self, other: "Hypothesis") -> bool:
         """Check whether another is this one with something left out or its exponent held, so that this can follow it."""
@@ -114,17 +113,15 @@ def hypotheses_of(
     for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
-    weighed, none = (
-        [],
-        float(np.log(max(len(suspects), 1))),
-    )  # to begin with as probable as all suspects together
+    none = float(np.log(max(len(suspects), 1)))  # to begin with as probable as all suspects together
+    weighed = []
     for one in found.values():
-        known = log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
-        weighed.append(replace(one, log_odds=known if one.names else known + none))
+        known = _log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
+        weighed.append(replace(one, log_odds=known if one.names else none))
     if shape is not None and shape.shapes:
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
     if walk is not None:
-        weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
+        weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk))
     weighed = _agreeing(
         weighed, {(), *((suspect.effect.name,) for suspect in suspects)}, named, rivals, quiet=quiet
     )
@@ -144,9 +141,8 @@ def _agreeing(
     """Set the odds of the hypotheses to agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
-        unknown = [one for one in weighed if one.names not in judged]
         weighed = [
-            one if one in unknown else _as_judged(one, weighed, tuple(named), rivals) for one in weighed
+            _as_judged(one, weighed, tuple(named), rivals) if one.names in judged else one for one in weighed
         ]
     elif nameless or quiet:
         usual = next(one.log_odds for one in weighed if one.has_law and not one.names)
@@ -169,13 +165,10 @@ def with_rivals(
     return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
 
 
-def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
+def _log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float) -> float:
     """Return the evidence (nats) of a hypothesis against the `base` without its effects, in noise `widened` by a factor."""
-    if one.fit is base:
-        return 0.0
-    if one.free is None:
-        return evidence(base, one.fit, scales, widened)
-    return 0.5 * (base.chi_square - one.fit.chi_square) / widened - price(base, one.free, scales, widened)
+    gain = 0.5 * (base.chi_square - one.fit.chi_square) / widened
+    return gain - price(base, one.free or one.fit, scales, widened)
 
 
 def _of_shape(base: Fit, widened: float) -> float:
@@ -197,9 +190,9 @@ def _swapped(
     if len(named) < 2 or not baseline.floor_is_sure:
         return []
     found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
-    for name in [one for one in named if one in final.model]:
-        own = next(term.effect for term in final.model.terms if term.effect.name == name)
-        others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
+    for name in named:
+        alike = terms[name].effect.confusable_with
+        others = [terms[n] for n in alike if n in terms and n not in final.model]
         if others:
             less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
             for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS])):

@@ -9,13 +9,8 @@ import numpy as np
 from identify.arrays import Array
 from identify.fitting.fit import Fit
 from identify.formatting import odds_words
-from identify.planning.expected_evidence import (
-    ExpectedEvidence,
-    draw_parameters,
-    expected_evidence,
-    refitted,
-)
-from identify.planning.experiment import Experiment, has_memory, signed_amplitude
+from identify.planning.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence, refitted
+from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.so_far import SoFar
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -41,8 +36,7 @@ _REACH = (0.25, 1.5)
 """Shares of the largest amplitude so far between which a release is sought where nobody has said what the rig allows."""
 
 _HANDLING_S = 30.0
-_REBUILDING_S = 600.0
-"""What a release takes besides its record, and what a change to the rig takes: guesses, used to compare experiments."""
+"""What a release takes besides its record: a guess, used to compare experiments."""
 
 _ADDED_MASS = 0.1
 _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "velocity": "acceleration"}
@@ -50,35 +44,28 @@ _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "vel
 
 @dataclass(frozen=True)
 class Limits:
-    """The displacements (positive, in their unit) between which a rig can be released, and the mass (kg) that can be added.
+    """The displacements (positive, in their unit) between which a rig can be released.
 
     `ways` are other things that can be done: "push" the mass, record "longer" or "faster", "rest" it before.
     """
 
     low: float
     high: float
-    mass: float | None = None
     ways: tuple[str, ...] = ("push", "longer", "faster", "rest")
 
 
 @dataclass(frozen=True)
 class Option:
-    """An experiment with the evidence that it should give between two hypotheses (nats), and its time (s).
+    """An experiment with the evidence that it should give between two hypotheses (nats).
 
-    `scatter` is the standard deviation over what is not known of the parameters, and over noise. `decides` is the evidence
-    between all that is open, by their odds, of which no more counts than decides.
+    `scatter` is the standard deviation over what is not known of the parameters, and over noise. `worth` is the evidence a
+    minute that decides something between all that is open; where that is as much, all evidence between the two.
     """
 
     experiment: Experiment
     nats: float
     scatter: float
-    seconds: float
-    decides: float
-
-    @property
-    def worth(self) -> tuple[float, float]:
-        """Evidence that decides something, a minute; where that is as much, all evidence."""
-        return round(60.0 * self.decides / self.seconds, 2), self.nats
+    worth: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,39 +119,40 @@ class NextRelease:
             return sentence
         return f"{sentence} The same amplitude again would give odds of {odds_words(self.same.nats)}."
 
-    def amplitude_words(self, experiment: Experiment) -> str:
-        """Return the amplitude of an experiment with its unit."""
-        if self.unit == "m" and abs(experiment.amplitude) < 1.0:
-            return f"{1e3 * experiment.amplitude:.3g} mm".replace("-", "−")
-        return f"{experiment.amplitude:.3g} {self.unit}".replace("-", "−")
-
     def _do(self, one: Experiment) -> str:
+        amplitude = amplitude_words(one.amplitude, self.unit)
         if one.heavier:
             added = (
                 f"{one.heavier:.0%} of the mass" if self.mass is None else f"{one.heavier * self.mass:.2g} kg"
             )
-            return f"an added mass of {added}, released from {self.amplitude_words(one)},"
+            return f"an added mass of {added}, released from {amplitude},"
         if one.sensor:
-            return f"a second sensor, of {one.sensor}, at a release from {self.amplitude_words(one)}"
+            return f"a second sensor, of {one.sensor}, at a release from {amplitude}"
         way = "push the mass so that it swings to" if one.push else "release from"
         more = [f"record {one.longer:g} times as long"] if one.longer > 1.0 else []
         more += [f"at {one.faster:g} times the rate"] if one.faster > 1.0 else []
         more += ["hold it still for some seconds before"] if one.rested else []
-        return ", ".join([f"{way} {self.amplitude_words(one)}", *more])
+        return ", ".join([f"{way} {amplitude}", *more])
+
+
+def amplitude_words(amplitude: float, unit: str) -> str:
+    """Return an amplitude with its unit, mm for m."""
+    in_millimetres = unit == "m" and abs(amplitude) < 1.0
+    words = f"{1e3 * amplitude:.3g} mm" if in_millimetres else f"{amplitude:.3g} {unit}"
+    return words.replace("-", "−")
 
 
 def next_release(
     decays: Sequence[PreparedDecay],
     hypotheses: Sequence[Hypothesis],
     limits: Limits | None = None,
-    hiding: Sequence[Hypothesis] | None = None,
+    hiding: Sequence[Hypothesis] = (),
 ) -> NextRelease | None:
     """Choose the release with the most expected evidence for its time; None where nothing is open or can be simulated.
 
     `decays` are the releases so far. It decides between the hypotheses that are open, and shows what can still hide beside
-    the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `hiding` the two likeliest count as
-    open where the odds have settled it; without `limits` amplitudes up to one and a half times the largest so far are
-    thought of.
+    the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `limits` the two likeliest count as
+    open where the odds have settled it, and amplitudes up to one and a half times the largest so far are thought of.
     """
     last = max(decays, key=lambda decay: decay.amplitude)
     if last.window.force is not None:
@@ -173,8 +161,8 @@ def next_release(
     if lead.has_law and not lead.names:
         question = _Question(last, tuple(hypotheses), 1, refits)
     else:
-        open_ = _open(hypotheses, at_least=2 if hiding is None else 1)
-        question = _Question(last, (*open_, *(hiding or ())), len(open_), refits)
+        open_ = _open(hypotheses, at_least=2 if limits is None else 1)
+        question = _Question(last, (*open_, *hiding), len(open_), refits)
     if not question.pairs:
         return None
     bounds = limits or Limits(_REACH[0] * last.amplitude, _REACH[1] * last.amplitude)
@@ -182,28 +170,23 @@ def next_release(
     tried = question.refined(question.ask([*map(Experiment, _amplitudes(bounds, last)), again]))
     if not tried:
         return None
-    best = question.best(tried)
+    best = max((one for one in tried if one.refitted), key=question.worth)
     if question.first_hiding > 1 and question.decides(best) < _ENOUGH * DECIDES:
         varied = question.ask(_variations(best.experiment, lead.fit, bounds))
         tried = question.refined([*tried, *varied])
     pair = question.pair(tried)
     tried = [question.refitted(one, [pair]) if one.experiment == again else one for one in tried]
-    options = {id(one): question.option(one, pair) for one in tried}
-    best_option = max((options[id(one)] for one in tried if pair in one.refitted), key=lambda one: one.worth)
-    same = next((option for option in options.values() if option.experiment == again), None)
-    instead = None
-    if best_option.nats < RIVALS_WITHIN and pair[0] < question.first_hiding:
-        changed = [
-            question.option(one, pair) for one in question.ask(_changes(best_option.experiment, last, bounds))
-        ]
-        instead = max(
-            (o for o in changed if o.nats >= RIVALS_WITHIN), key=lambda one: one.worth, default=None
-        )
+    options = tuple(question.option(one, pair) for one in tried)
+    known = (option for option, one in zip(options, tried, strict=True) if pair in one.refitted)
+    chosen = max(known, key=lambda option: option.worth)
+    same = next((option for option in options if option.experiment == again), None)
+    instead, hidden = None, pair[0] >= question.first_hiding
+    if chosen.nats < RIVALS_WITHIN and not hidden:
+        changed = (question.option(one, pair) for one in question.ask(_changes(chosen.experiment, last)))
+        enough = (option for option in changed if option.nats >= RIVALS_WITHIN)
+        instead = max(enough, key=lambda option: option.nats, default=None)
     names = (question.considered[pair[0]].title, question.considered[pair[1]].title)
-    hidden = pair[0] >= question.first_hiding
-    return NextRelease(
-        best_option, same, instead, names, tuple(options.values()), last.window.unit, last.mass, hidden
-    )
+    return NextRelease(chosen, same, instead, names, options, last.window.unit, last.mass, hidden)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +223,7 @@ class _Question:
         wanted = [pair for pair in pairs if pair not in one.refitted]
         if not wanted:
             return one
-        return refitted(one, self.last, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
+        return refitted(one, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
 
     def refined(self, tried: list[ExpectedEvidence]) -> list[ExpectedEvidence]:
         """Refit the pairs that count most for the leading experiments."""
@@ -250,22 +233,17 @@ class _Question:
             for pair, weight in zip(self.pairs, weights, strict=True)
             if weight >= _COUNTS * weights.max()
         ]
-        done = 0
-        while tried and done < self.refits:
-            at = max(range(len(tried)), key=lambda i: self._by_worth(tried[i]))
+        for _ in range(self.refits if tried else 0):
+            at = max(range(len(tried)), key=lambda i: self.worth(tried[i]))
             pairs = {*leading, self.pair(tried)}
             again = self.refitted(tried[at], sorted(pairs))
             if again is tried[at]:
                 break
             tried = [*tried[:at], again, *tried[at + 1 :]]
-            done += 1
         return tried
 
-    def best(self, tried: Sequence[ExpectedEvidence]) -> ExpectedEvidence:
-        """Choose the experiment of the most worth among those that were refitted."""
-        return max((one for one in tried if one.refitted), key=self._by_worth)
-
-    def _by_worth(self, one: ExpectedEvidence) -> tuple[float, float]:
+    def worth(self, one: ExpectedEvidence) -> tuple[float, float]:
+        """Return what an experiment is worth between the two hypotheses that it decides best."""
         return self.option(one, self.pair([one])).worth
 
     @cached_property
@@ -311,9 +289,9 @@ class _Question:
         mean = float(np.nan_to_num(_mean(nats)))
         noise = 2.0 * mean  # the variance of half a difference of chi-square
         spread = float(np.nanvar(nats)) if np.isfinite(nats).any() else 0.0
-        length = one.longer * len(self.last.window) / self.last.window.rate
-        seconds = (_REBUILDING_S if one.changes_rig else 0.0) + _HANDLING_S + length
-        return Option(one, mean, float(np.sqrt(spread + noise)), seconds, self.decides(found))
+        seconds = _HANDLING_S + one.longer * len(self.last.window) / self.last.window.rate
+        worth = (round(60.0 * self.decides(found) / seconds, 2), mean)
+        return Option(one, mean, float(np.sqrt(spread + noise)), worth)
 
 
 def _mean(nats: Array) -> float:
@@ -325,8 +303,7 @@ def _open(hypotheses: Sequence[Hypothesis], *, at_least: int) -> tuple[Hypothesi
     """List the open hypotheses: only the likeliest where all others together have no more than DOUBT."""
     if odds(hypotheses)[0] >= 1.0 - DOUBT:
         return tuple(hypotheses[:at_least])
-    found = [one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN]
-    return tuple(found if len(found) > 1 else hypotheses[:2])
+    return tuple(one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN)
 
 
 def _figures(amplitude: float) -> float:
@@ -336,7 +313,7 @@ def _figures(amplitude: float) -> float:
 
 def _amplitudes(limits: Limits, last: PreparedDecay) -> list[float]:
     side = float(np.sign(signed_amplitude(last)))
-    sizes = np.geomspace(limits.low, limits.high, _STEPS) if limits.low > 0.0 else [limits.high]
+    sizes = np.geomspace(limits.low, limits.high, _STEPS)
     return [way * side * _figures(size) for size in sizes for way in (1.0, -1.0)]
 
 
@@ -352,16 +329,17 @@ def _variations(best: Experiment, found: Fit, limits: Limits) -> list[Experiment
         "faster": replace(best, faster=4.0),
         "rest": replace(best, rested=True),
     }
-    if not has_memory(found) or found.windows[0].pre_release is not None:
+    memory = any(term.force.states and term.force.fading_memory for term in found.model.forces)
+    if not memory or found.windows[0].pre_release is not None:
         every.pop("rest")
     return [experiment for way, experiment in every.items() if way in limits.ways]
 
 
-def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Experiment]:
-    heavier = limits.mass / last.mass if limits.mass and last.mass else _ADDED_MASS
+def _changes(best: Experiment, last: PreparedDecay) -> list[Experiment]:
+    """List the changes to the rig that may help: an added mass, or a sensor of what is not measured."""
     sensor = _SENSORS[last.window.channels[0]]
     more = [replace(best, sensor=sensor)] if sensor not in last.window.channels else []
-    return [replace(best, heavier=heavier), *more]
+    return [replace(best, heavier=_ADDED_MASS), *more]
 
 
 def _capital(sentence: str) -> str:

@@ -1,14 +1,14 @@
 """The releases so far as one hypothesis explains them, to be fitted together with one that is only simulated."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.fitting.fit import Fit
-from identify.fitting.levenberg_marquardt import minimise
+from identify.fitting.levenberg_marquardt import Minimum, minimise
+from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
+from identify.model.parameter_id import ParameterId
 from identify.planning.hypotheses import Hypothesis
 from identify.preprocessing.fit_window import FitWindow
 
@@ -18,24 +18,20 @@ _STEPS, _GAIN = 8, 0.2
 
 @dataclass(frozen=True, eq=False)
 class SoFar:
-    """A hypothesis fitted to a few readings a cycle of the releases so far; `cost` is its chi-square."""
+    """A `hypothesis` fitted to a few readings a cycle of the releases so far; `cost` is its chi-square."""
 
-    fit: Fit
+    hypothesis: Hypothesis
     windows: tuple[FitWindow, ...]
     theta: Array
     cost: float
-    reach: Mapping[str, float]
 
     @classmethod
     def of(cls, one: Hypothesis) -> "SoFar":
         """Refit a hypothesis to fewer readings."""
-        found = one.fit
-        w = found.frequency
-        windows = tuple(one.at_few_readings(w) for one in found.windows)
-        problem = Problem(found.model, windows, w, coarse=True)
-        _bound(problem, one.reach)
-        end = minimise(problem, problem.theta(found.point), steps=_STEPS, tolerance=_GAIN)
-        return cls(found, windows, end.theta, end.cost, one.reach)
+        windows = tuple(window.at_few_readings(one.fit.frequency) for window in one.fit.windows)
+        begun = {_of_window(u): float(x) for u, x in zip(one.fit.unknowns, one.fit.theta, strict=True)}
+        end = _refitted(one, windows, begun)
+        return cls(one, windows, end.theta, end.cost)
 
     def costs_more(self, own: Problem, centre: Array, readings: dict[str, Array]) -> float:
         """Return the rise of chi-square with one more record, whose own unknowns begin at `centre`.
@@ -44,31 +40,24 @@ class SoFar:
         """
         last = 1 + max(one.release for one in self.windows)
         new = own.windows[0].with_(readings=readings, release=last, own_linear=self.windows[0].own_linear)
-        problem = Problem(self.fit.model, (*self.windows, new), self.fit.frequency, coarse=True)
-        _bound(problem, self.reach)
-        start = problem.theta(self._names() | _names_of_last(own, centre, len(self.windows)))
-        return minimise(problem, start, steps=_STEPS, tolerance=_GAIN).cost - self.cost
-
-    def _names(self) -> dict[str, float]:
-        """Rename the values as if there were one more window and release."""
-        count, releases = len(self.windows) + 1, 2 + max(one.release for one in self.windows)
-        values = {}
-        for u, value in zip(self.fit.unknowns, self.theta.tolist(), strict=True):
-            if u.window < 0:
-                values[u.name] = value
-            elif u.deviates >= 0:
-                values[str(u.id.of_release(self.windows[u.window].release, releases))] = value
-            else:
-                values[str(u.id.of_release(u.window, count))] = value
-        return values
+        known = zip(self.hypothesis.fit.unknowns, self.theta, strict=True)
+        begun = {_of_window(u): float(x) for u, x in known}
+        for u, x in zip(own.unknowns, centre, strict=True):
+            if u.window == 0:
+                begun[_of_window(u)[0], len(self.windows)] = float(x)
+        return _refitted(self.hypothesis, (*self.windows, new), begun).cost - self.cost
 
 
-def _names_of_last(own: Problem, centre: Array, place: int) -> dict[str, float]:
-    """Rename the unknowns of one window as if it came after all others."""
-    each = zip(own.unknowns, centre.tolist(), strict=True)
-    return {str(u.id.of_release(place, place + 1)): value for u, value in each if u.window == 0}
+def _of_window(unknown: Unknown) -> tuple[ParameterId, int]:
+    """Return what an unknown is in its window, and which window that is: the same however many windows there are."""
+    return unknown.id.of_release(0, 1), unknown.window
 
 
-def _bound(problem: Problem, reach: Mapping[str, float]) -> None:
-    """Bound the unknowns of a problem to the ranges within which each effect keeps its name."""
-    problem.high = np.minimum(problem.high, [reach.get(u.name, np.inf) for u in problem.unknowns])
+def _refitted(
+    one: Hypothesis, windows: tuple[FitWindow, ...], begun: dict[tuple[ParameterId, int], float]
+) -> Minimum:
+    """Refit a hypothesis, 0 where it does not begin at a value, in the ranges within which each effect keeps its name."""
+    problem = Problem(one.fit.model, windows, one.fit.frequency, coarse=True)
+    problem.high = np.minimum(problem.high, [one.reach.get(u.name, np.inf) for u in problem.unknowns])
+    start = np.array([begun.get(_of_window(u), 0.0) for u in problem.unknowns])
+    return minimise(problem, start, steps=_STEPS, tolerance=_GAIN)

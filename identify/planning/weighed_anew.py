@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from identify.evidence import evidence
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_nuisances, scales_of
-from identify.planning.hypotheses import Hypothesis, log_odds
+from identify.planning.hypotheses import Hypothesis
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _LEADING = 4
@@ -20,22 +21,25 @@ def weighed_anew(
     """
     whole, scales = (*decays, new), scales_of(new, {})
     windows = tuple(decay.window.with_(release=i, own_linear=None) for i, decay in enumerate(whole))
-    found = []
     laws = [h for h in hypotheses if h.has_law]
     least = min(laws, key=lambda one: len(one.fit.model.terms))
-    for one in [*laws[:_LEADING], *([least] if least in laws[_LEADING:] else [])]:
+    refits = {}
+    for one in dict.fromkeys((*laws[:_LEADING], least)):
         start = initial_nuisances(whole, one.fit.model, one.fit.point) | _shared(one.fit, len(whole))
-        refit = fit(one.fit.model, windows, start, one.fit.frequency, near=True, tolerance=1.0)
-        found.append(replace(one, fit=refit, free=None))
-    base = min((one.fit for one in found), key=lambda fit: len(fit.model.terms))
-    found = [replace(one, log_odds=log_odds(one, base, scales)) for one in found]
+        refits[one] = fit(one.fit.model, windows, start, one.fit.frequency, near=True, tolerance=1.0)
+    found = (
+        replace(one, fit=refit, log_odds=evidence(refits[least], refit, scales))
+        for one, refit in refits.items()
+    )
     return tuple(sorted(found, key=lambda one: -one.log_odds))
 
 
 def _shared(found: Fit, releases: int) -> dict[str, float]:
     """Return the starting values of shared unknowns, and of sensors' faults, equal in each of so many releases."""
-    values = {u.name: v for u, v in zip(found.unknowns, found.theta.tolist(), strict=True) if u.window < 0}
+    values = {}
     for u, value in zip(found.unknowns, found.theta.tolist(), strict=True):
-        if u.window == 0 and u.id.role == "parameter":
+        if u.window < 0:
+            values[u.name] = value
+        elif u.window == 0 and u.id.role == "parameter":
             values |= {str(u.id.of_release(i, releases)): value for i in range(releases)}
     return values

@@ -3,7 +3,11 @@ import pytest
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.guidance import Guidance, what_it_gave
+from identify.effects.effect import Scales
+from identify.effects.library import find_effect
+from identify.fitting.initial_values import close_starts
 from identify.fitting.problem import Problem
+from identify.model.model import Term
 from identify.planning.expected_evidence import _kept, _solve
 from identify.planning.experiment import Experiment, carried_over, window_of
 from identify.planning.hypotheses import odds
@@ -52,6 +56,12 @@ def test_no_release_is_asked_for_beyond_the_limits(small_cubic):
     chosen = found.next_within(Limits(0.004, 0.012))
     sizes = [abs(option.experiment.amplitude) for option in chosen.options]
     assert 0.004 <= min(sizes) <= max(sizes) <= 0.012
+
+
+def test_what_a_hypothesis_holds_has_no_starting_values():
+    held = Term(find_effect("settling_stiffness"), {"tau": 3.0})
+    scales = Scales(amplitude=0.02, frequency=25.0, duration=8.0, rate=256.0, peaks={}, lines={})
+    assert not any(close_starts(held, scales))
 
 
 def test_the_same_choice_comes_twice(small_cubic):

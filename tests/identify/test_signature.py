@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identify.effects.compiled import force_function
+from identify.effects.compiled import effect_function
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, find_effect
@@ -124,7 +124,7 @@ def test_a_settling_stiffness_is_that_of_the_moment():
     np.testing.assert_allclose(found.stiffening, 0.03 * (1.0 - np.exp(-2.0 / 1.5)) * W**2, rtol=1e-6)
 
 
-@force_function
+@effect_function
 def _magnet(t, u, v, z, p):
     return p[0] * u / (1.0 + (u / p[1]) ** 2)
 

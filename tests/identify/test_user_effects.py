@@ -174,7 +174,7 @@ HOSTILE = [
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:24].replace("\x00", "0"))
 def test_what_is_no_formula_is_refused_in_one_sentence_and_compiles_nothing(text, monkeypatch):
     compiled = []
-    monkeypatch.setattr(build, "force_function", lambda *given, **how: compiled.append(given))
+    monkeypatch.setattr(build, "effect_function", lambda *given, **how: compiled.append(given))
     with pytest.raises(ValueError, match=r"\w \w") as refused:
         parse_effect(text)
     assert "\n" not in str(refused.value)
@@ -281,13 +281,13 @@ def test_many_parameters_do_not_make_many_starts():
 
 
 def test_a_formula_is_compiled_once_for_its_force_and_once_for_its_friction(monkeypatch):
-    compiled, compile_force = [], build.force_function
+    compiled, compile_force = [], build.effect_function
 
     def counting(function, **how):
         compiled.append(function)
         return compile_force(function, **how)
 
-    monkeypatch.setattr(build, "force_function", counting)
+    monkeypatch.setattr(build, "effect_function", counting)
     parse_effect("x = a*u/(1 + (u/b)**2)*exp(-abs(v)/c)*sgn(v) + a*sin(u)")
     assert len(compiled) == 2
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import PARAMETERS, STATES, force_function, rate_function
+from identify.effects.compiled import PARAMETERS, RATES, STATES, effect_function
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 from identify.effects.user.formula import (
@@ -149,7 +149,7 @@ def finished(
     rates = None
     if states:
         padded = (*draft.rates, *[ZERO] * (STATES - states))
-        rates = rate_function(to_compile(padded, draft.names), cache=False)
+        rates = effect_function(to_compile(padded, draft.names), RATES, cache=False)
     settles = bool(states) and _comes_to_rest(rates, states, draw)
     even = _even(draft, draw)
     return ForceEffect(
@@ -159,12 +159,10 @@ def finished(
         parameters=parameters,
         symptom="what your formula says",
         confirming_test="a recording in which your formula predicts a large change",
-        force=force_function(draft.force, cache=False),
-        friction=None if draft.friction is None else force_function(draft.friction, cache=False),
+        force=effect_function(draft.force, cache=False),
+        friction=None if draft.friction is None else effect_function(draft.friction, cache=False),
         rates=rates,
-        equilibrium_state=(_rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
-        if states
-        else None,
+        equilibrium_state=_rest_function(rates, states) if settles else None,
         states=states,
         fading_memory=settles or not states,
         starts=lambda scales: combinations(

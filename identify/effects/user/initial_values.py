@@ -2,7 +2,7 @@
 
 import re
 from itertools import product
-from math import inf, isfinite, pi, prod
+from math import isfinite, pi, prod
 
 import numpy as np
 
@@ -55,17 +55,17 @@ def problem_of(parameter: Parameter, starts: tuple[float, ...]) -> tuple[str, st
 
 def combinations(choices: list[Choice]) -> tuple[tuple[float, ...], ...]:
     """Return combinations of one value from each choice: first the likely values, then others as room allows."""
-    likely = _drawn([first for first, _ in choices], _MOST)
-    both = _drawn([first + others for first, others in choices], _MOST)
+    likely = _drawn([first for first, _ in choices])
+    both = _drawn([first + others for first, others in choices])
     return tuple(dict.fromkeys((*likely, *both)))[:_MOST]
 
 
-def _drawn(choices: list[tuple[float, ...]], most: int) -> tuple[tuple[float, ...], ...]:
+def _drawn(choices: list[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
     """Return all combinations of one value from each, or, of too many, some drawn evenly."""
     total = prod(len(c) for c in choices)
-    if total <= most:
+    if total <= _MOST:
         return tuple(product(*choices))
-    places = np.sort(np.random.default_rng(0).choice(total, most, replace=False))
+    places = np.sort(np.random.default_rng(0).choice(total, _MOST, replace=False))
     columns = zip(choices, np.unravel_index(places, [len(c) for c in choices]), strict=True)
     return tuple(zip(*([choice[i] for i in at] for choice, at in columns), strict=True))
 
@@ -117,6 +117,6 @@ def _between(parameter: Parameter) -> tuple[float, ...]:
         if low > 0.0 and high > 10.0 * low:
             return tuple(float(x) for x in np.geomspace(low, high, 5)[1:-1])
         return tuple(low + share * (high - low) for share in (0.2, 0.5, 0.8))
-    if low > -inf:
-        return (2.0 * low, 10.0 * low) if low > 0.0 else (0.5 * low, 1.0 + low)
+    if low > 0.0:
+        return 2.0 * low, 10.0 * low
     return (0.5 * high, high - 1.0) if high > 0.0 else (2.0 * high, 10.0 * high)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from identify.arrays import Array
-from identify.effects.compiled import force_function
+from identify.effects.compiled import effect_function
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
 
@@ -132,4 +132,4 @@ def _compiled(form: CurveForm) -> Any:
         multiplied = u if factor == 2 else v if factor == 3 else 1.0
         return multiplied * (p[0] * total / 6.0)
 
-    return force_function(value, cache=False)
+    return effect_function(value, cache=False)
