@@ -27,8 +27,8 @@ class Unknown:
     """One unknown: its effect, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
-    how it is read. What `moves` several windows, the pieces of one release, has the first of them as its window. It
-    `deviates` from a shared unknown, at that place, by what that is in its release beyond what it is in all.
+    how it is read. One that `deviates` from a shared unknown, at that place, is what that is in one release beyond what it
+    is in all; of the pieces of its release it has the first as its window.
     """
 
     id: ParameterId
@@ -38,7 +38,6 @@ class Unknown:
     size: float = 0.0
     window: int = NOWHERE
     simulated: bool = True
-    moves: tuple[int, ...] = ()
     deviates: int = NOWHERE
 
     @cached_property
@@ -192,9 +191,7 @@ class ParameterLayout:
                     continue
                 unit = self.unknowns[self.linear[part]].unit
                 id = nuisance(name, number, len(groups))
-                at = self._add(
-                    Unknown(id, unit, size=std, window=places[0], moves=places, deviates=self.linear[part])
-                )
+                at = self._add(Unknown(id, unit, size=std, window=places[0], deviates=self.linear[part]))
                 found.append(Deviation(at, self.linear[part], places, std / float(np.sqrt(own.weight))))
         return tuple(found)
 

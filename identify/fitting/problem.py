@@ -22,13 +22,13 @@ _ENOUGH_FAR = 24
 """Readings a cycle that show a misfit far above the noise."""
 
 
-@dataclass(eq=False)
-class _Motion:
-    """One window simulated at its own unknowns, (own,), and its misfit once it was wanted, (n,)."""
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """One window simulated at its own unknowns, (own,), and its misfit in units of the noise, (n,)."""
 
     unknowns: Array
     response: Response
-    misfit: Array | None = None
+    misfit: Array
 
 
 class Problem:
@@ -70,15 +70,18 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
-        moves = [u.moves or ((u.window,) if u.window != NOWHERE else None) for u in self.unknowns]
         self.expected = self.layout.deviations
+        moves: list[tuple[int, ...] | None]
+        moves = [None if u.window == NOWHERE else (u.window,) for u in self.unknowns]
+        for one in self.expected:
+            moves[one.own] = one.windows
         self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
         self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
         strengths = {str(term.strength) for term in model.forces}
         self._strengths = [i for i, u in enumerate(self.unknowns) if u.name in strengths]
         self.steps = np.zeros(len(self.unknowns))
         self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
-        self._kept: list[list[_Motion]] = [[] for _ in windows]
+        self._kept: list[list[Simulated]] = [[] for _ in windows]
 
     def theta(self, values: dict[str, float]) -> Array:
         """Return the unknowns, (unknowns,), at values by name; 0 for one without."""
@@ -86,8 +89,7 @@ class Problem:
 
     def sizes(self, theta: Array) -> Array:
         """Return the natural size of each unknown; that of an inner parameter is its value."""
-        tiny = 1e-3 * np.abs(theta)
-        size = np.where(self.size > 0.0, self.size, np.maximum(np.abs(theta), tiny))
+        size = np.where(self.size > 0.0, self.size, np.abs(theta))
         return np.where(size > 0.0, size, 1.0)
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
@@ -148,30 +150,21 @@ class Problem:
         parts = [one for one in (force, acting, extra) if one is not None]
         return np.asarray(sum(parts)) if parts else None
 
-    def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows; those whose unknowns equal one of their last two motions are taken from memory."""
-        return [self._motion(theta, i).response for i in range(len(self.windows))]
+    def motions(self, theta: Array) -> list[Simulated]:
+        """Simulate all windows; a misfit is inf where its motion diverges.
 
-    def misfits(self, theta: Array) -> list[Array]:
-        """Return the misfit of each window in units of the noise, computed only for new motions; inf where they diverge."""
-        found = []
-        for i in range(len(self.windows)):
-            motion = self._motion(theta, i)
-            if motion.misfit is None:
-                motion.misfit = self.residual_of(i, self.read(theta, i, motion.response))
-            found.append(motion.misfit)
-        return found
-
-    def _motion(self, theta: Array, i: int) -> _Motion:
-        """Return the motion of window i: one of the last two, or a new simulation, which is stored.
-
-        What was tried is then linearised and read, or left for what was before; a start that changes moves one window only.
+        Those whose unknowns equal one of their last two motions are taken from memory: what was tried is then linearised
+        and read, or left for what was before; a start that changes moves one window only.
         """
+        return [self._motion(theta, i) for i in range(len(self.windows))]
+
+    def _motion(self, theta: Array, i: int) -> Simulated:
         own, kept = theta[self.pattern.places[i]], self._kept[i]
         for motion in kept:
             if np.array_equal(motion.unknowns, own):
                 return motion
-        kept.insert(0, _Motion(own, self.respond(theta, i)))
+        response = self.respond(theta, i)
+        kept.insert(0, Simulated(own, response, self.residual_of(i, self.read(theta, i, response))))
         del kept[2:]
         return kept[0]
 
@@ -257,4 +250,4 @@ class Problem:
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion diverges."""
-        return np.concatenate([*self.misfits(theta), *self.off_expected(theta)])
+        return np.concatenate([*(motion.misfit for motion in self.motions(theta)), *self.off_expected(theta)])

@@ -42,8 +42,7 @@ def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
     covariance = tied.covariance - np.outer(apart, apart) / variance
     name = found.unknowns[force].name
     own = {name: replace(tied.values[name], std=tied.values[found.unknowns[spring].name].std)}
-    known = replace(tied, converged=found.converged, outcome=found.outcome)
-    return replace(known, covariance=covariance, values=tied.values | own)
+    return replace(tied, converged=found.converged, covariance=covariance, values=tied.values | own)
 
 
 def _pair(stated: Fit) -> tuple[int, int] | None:
