@@ -188,29 +188,18 @@ class ChannelColour(Colour):
 
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
-    hum = [_hum(prepared, fit, i) for i, prepared in enumerate(decays)]
-    rests = [_rests_of(prepared, lines) for prepared, lines in zip(decays, hum, strict=True)]
+    hum, rests = [], []
+    for i, prepared in enumerate(decays):
+        seen = prepared.rest_colour
+        # A channel without a rest, or with one in which a converter's steps hide smaller lines, shows hum along the motion.
+        hum.append({} if all(c in seen for c in prepared.window.channels) else common_lines(fit, i))
+        rests.append(with_common_lines(seen, prepared.frequency / (2.0 * np.pi), hum[i]))
     found = {}
     for channel in fit.windows[0].channels:
         colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum[0].get(channel, ()))
         if colour is not None:
             found[channel] = colour
     return found
-
-
-def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Find the lines along the motion that are hum in both channels, where no rest shows those of each channel.
-
-    There was no rest, or the converter's steps hide smaller lines.
-    """
-    if all(channel in prepared.rest_colour for channel in prepared.window.channels):
-        return {}
-    return common_lines(fit, i)
-
-
-def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
-    colours = {c: r for c, r in prepared.rest_colour.items() if c in prepared.window.readings}
-    return with_common_lines(colours, prepared.frequency / (2.0 * np.pi), hum)
 
 
 def _colour(
