@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.estimate import Estimate
 from identify.fitting.fit import fit
-from identify.fitting.initial_values import initial_values
+from identify.fitting.initial_values import initial_nuisances
 from identify.fitting.own_linear import own_springs, percent_off, weighed, with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
@@ -61,7 +61,7 @@ def predict(
         raise ValueError(f"no value is given for {', '.join(missing)}")
     pieces = segments_of(decay)
     known = {name: v.value if isinstance(v, Estimate) else float(v) for name, v in values.items()}
-    start = known | initial_values(pieces, model, known) | known | _faults(model, known, len(pieces))
+    start = initial_nuisances(pieces, model, known) | known | _faults(model, known, len(pieces))
     windows, frequency = tuple(piece.window for piece in pieces), pieces[0].frequency
     windows = without_own_linear(windows) if hold else with_own_linear(windows, frequency)
     start = own_springs(pieces, model, start) | start
