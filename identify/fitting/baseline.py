@@ -118,12 +118,6 @@ class Baseline:
         return float(np.sqrt(np.mean(np.square(each))))
 
     @property
-    def decided(self) -> "Baseline":
-        """The same with the width of its floor stored in the releases: a record has one width, whatever is fitted later."""
-        width = self.spread
-        return replace(self, decays=tuple(with_floor(prepared, width) for prepared in self.decays))
-
-    @property
     def floor_is_sure(self) -> bool:
         """Whether a misfit above the floor cannot be noise: the noise was seen at rest, and two channels agree on it."""
         return all(
@@ -211,9 +205,9 @@ def fit_baseline(
     start = own_springs(decays, model, start) | start
     found = fit(model, windows, start, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
-    if any(new is not old for new, old in zip(mended, decays, strict=True)):
+    if mended != decays:
         found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
-    return refit_at_floor(mended, found).decided
+    return refit_at_floor(mended, found)
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
@@ -238,7 +232,10 @@ def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay
 
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
-    """Fit again with the noise floor that the fit's own residual shows."""
+    """Fit again with the noise floor that the fit's own residual shows, and store its width in releases that have none.
+
+    A record has one width, whatever is fitted later.
+    """
     colours = noise_colours(decays, found)
     floors = tuple(refined_floor(found, i, prepared.noise, colours) for i, prepared in enumerate(decays))
     windows = tuple(
@@ -246,7 +243,8 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
         for floor, window in zip(floors, found.windows, strict=True)
     )
     settled = fit(found.model, windows, found.point, found.frequency, near=True, tolerance=_SETTLED)
-    return Baseline(decays, settled, floors)
+    baseline = Baseline(decays, settled, floors)
+    return replace(baseline, decays=tuple(with_floor(prepared, baseline.spread) for prepared in decays))
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

@@ -256,8 +256,7 @@ def _result(
     fixed = held | (theta <= problem.low) | (theta >= problem.high)
     normal = jacobian.normal()
     # The readings do not tell a shared part from the mean of its deviations, which `centred` takes as none.
-    for shared in {one.shared for one in problem.expected}:
-        deviations = [one.own for one in problem.expected if one.shared == shared]
+    for shared, deviations in problem.deviations.items():
         normal[np.ix_(deviations, deviations)] += normal[shared, shared]
     normal[held], normal[:, held] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))

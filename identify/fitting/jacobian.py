@@ -39,7 +39,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     starts = [(motion, *_for_slope(problem, theta, i, motion.misfit)) for i, motion in enumerate(motions)]
     wanted = np.ones(len(theta), dtype=bool) if skip is None else ~skip
     # What changes its windows as a shared unknown does has the columns of that.
-    as_shared = {one.own for one in problem.expected if wanted[one.own] and wanted[one.shared]}
+    as_shared = {j for j in problem.expected if wanted[j] and wanted[problem.unknowns[j].deviates]}
     for j in np.flatnonzero(wanted).tolist():
         if j in as_shared:
             continue
@@ -53,14 +53,14 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
         for (_, row), change in zip(rows, changes, strict=True):
             if step != 0.0:  # else it is lost in rounding: nothing moves
                 np.divide(change, step, out=row, where=np.abs(change) < JUMP)
-    for k, one in enumerate(problem.expected):
-        own = dict(jacobian.of_unknown(one.own))
-        if one.own in as_shared:
-            in_all = dict(jacobian.of_unknown(one.shared))
-            for i in one.windows:
-                own[i][:] = in_all[i]
-        if wanted[one.own]:
-            own[len(motions)][k] = 1.0 / one.std
+    for k, j in enumerate(problem.expected):
+        *own, (_, off) = jacobian.of_unknown(j)
+        if j in as_shared:
+            in_all = dict(jacobian.of_unknown(problem.unknowns[j].deviates))
+            for i, row in own:
+                row[:] = in_all[i]
+        if wanted[j]:
+            off[k] = 1.0 / problem.unknowns[j].std
     return residual, jacobian
 
 

@@ -251,18 +251,14 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         places = alike(own + at_rest)
         models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
         smooth = [
-            _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, *place)
+            # a residual above the noise at rest is misfit
+            _is_smooth(power, model, harmonic, between) and at_rest.max() - at_rest[place] < _VETO
             for place, model in zip(places, models, strict=True)
         ]
         if any(smooth):  # one shape that it can be is enough; the others are out
             own[[row for (row, _), good in zip(places, smooth, strict=True) if not good]] -= UNLIKE
             total += own
     return total
-
-
-def _is_allowed(at_rest: Array, row: int, column: int) -> bool:
-    """Check whether the rest may have this colour: a residual above the noise at rest is misfit."""
-    return bool(at_rest.max() - at_rest[row, column] < _VETO)
 
 
 def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:

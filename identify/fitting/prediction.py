@@ -88,9 +88,10 @@ def predict_windows(
         again = weighed(own, own.theta(found.point))
         found = fit(model, again, found.point, frequency, near=True, held=still)
     off, misfit, seen = {}, [], []
-    for one in found.problem.expected:
-        name = found.unknowns[one.shared].name
-        off[name] = percent_off(found.problem, one, found.point[name] - held[name])
+    for unknown in found.unknowns:
+        if unknown.deviates != NOWHERE:
+            name = found.unknowns[unknown.deviates].name
+            off[name] = percent_off(found.windows[unknown.window], unknown, found.point[name] - held[name])
     for i, window in enumerate(found.windows):
         used = window.used[window.channels[0]]
         misfit.append(found.residual(window.channels[0], i)[used])

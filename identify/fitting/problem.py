@@ -7,7 +7,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.fitting.block_jacobian import BlockPattern
-from identify.fitting.parameter_layout import NOWHERE, Deviation, ParameterLayout, amplitude_of
+from identify.fitting.parameter_layout import NOWHERE, ParameterLayout, amplitude_of
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
 from identify.preprocessing.fit_window import FitWindow
@@ -17,9 +17,6 @@ _COARSE = 2.0
 _FAR = 4.0
 _TANGENT = 4.0
 """How many times longer steps are beside a large misfit, far from the readings, and where only a slope is wanted."""
-
-_ENOUGH_FAR = 24
-"""Readings a cycle that show a misfit far above the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +51,7 @@ class Problem:
         acting: tuple[Array, ...] = (),
     ) -> None:
         if far:
-            windows = tuple(w.thinned(int(2.0 * np.pi / frequency * w.rate / _ENOUGH_FAR)) for w in windows)
+            windows = tuple(window.at_few_readings(frequency) for window in windows)
         self.model = model
         self.windows = windows
         self.acting = acting
@@ -70,13 +67,14 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
-        self.expected = self.layout.deviations
+        self.expected = [j for j, u in enumerate(self.unknowns) if u.deviates != NOWHERE]
+        release = [window.release for window in windows]
+        self._own = [[j for j in self.expected if release[self.unknowns[j].window] == one] for one in release]
         moves: list[tuple[int, ...] | None]
         moves = [None if u.window == NOWHERE else (u.window,) for u in self.unknowns]
-        for one in self.expected:
-            moves[one.own] = one.windows
-        self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
-        self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
+        for j in self.expected:
+            moves[j] = tuple(i for i, own in enumerate(self._own) if j in own)
+        self.pattern = BlockPattern.of(moves, len(windows), self.expected)
         strengths = {str(term.strength) for term in model.forces}
         self._strengths = [i for i, u in enumerate(self.unknowns) if u.name in strengths]
         self.steps = np.zeros(len(self.unknowns))
@@ -108,14 +106,21 @@ class Problem:
         if not self._own[i] and self.windows[i].lightness == 1.0:
             return theta
         theta = theta.copy()
-        for one in self._own[i]:
-            theta[one.shared] += self.deviation(theta, one)
+        for j in self._own[i]:
+            theta[self.unknowns[j].deviates] += self.deviation(theta, j)
         theta[self._strengths] *= self.windows[i].lightness
         return theta
 
-    def deviation(self, theta: Array, one: Deviation) -> float:
-        """Return the deviation of a release, limited so that its value stays within the bound."""
-        return float(max(theta[one.own], self.low[one.shared] - theta[one.shared]))
+    def deviation(self, theta: Array, j: int) -> float:
+        """Return a release's deviation, unknown j, limited so that its value stays within the bound."""
+        shared = self.unknowns[j].deviates
+        return float(max(theta[j], self.low[shared] - theta[shared]))
+
+    @property
+    def deviations(self) -> dict[int, list[int]]:
+        """The places of the deviations from each shared unknown that has some, by its place."""
+        shared = {self.unknowns[j].deviates for j in self.expected}
+        return {at: [j for j in self.expected if self.unknowns[j].deviates == at] for at in shared}
 
     def respond(
         self, theta: Array, i: int, substeps: int | None = None, *, extra: Array | None = None
@@ -246,7 +251,7 @@ class Problem:
         """Return the deviations of each release, in standard deviations, as one array; empty where it may not differ."""
         if not self.expected:
             return []
-        return [np.array([theta[one.own] / one.std for one in self.expected])]
+        return [np.array([theta[j] / self.unknowns[j].std for j in self.expected])]
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion diverges."""

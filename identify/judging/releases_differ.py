@@ -69,7 +69,7 @@ def _with(baseline: Baseline, own: Fit) -> Baseline:
         replace(decay, floor_std=None, window=decay.window.with_(own_linear=window.own_linear))
         for decay, window in places
     )
-    return refit_at_floor(decays, own).decided
+    return refit_at_floor(decays, own)
 
 
 def shared_where_alike(found: Fit) -> Fit:
