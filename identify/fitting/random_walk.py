@@ -82,8 +82,7 @@ class Place:
             motion = problem.respond(self.theta, i, problem.substeps(self.theta, i, tangent=True))
             ramps = [np.interp(window.clock, knots.times[i], one) for one in np.eye(len(knots.times[i]))]
             by_step = [
-                np.column_stack(changes_by(problem, self.theta, i, [ramp * force for ramp in ramps]))
-                @ knots.values[i]
+                changes_by(problem, self.theta, i, [ramp * force for ramp in ramps]) @ knots.values[i]
                 for force in (omega**2 * motion.displacement, omega * motion.velocity)
             ]
             blocks.append(np.column_stack(by_step))
@@ -279,12 +278,12 @@ class _Knots:
             most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
             count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
             times.append(np.linspace(window.clock[0], window.clock[-1], count))
-        each = [
-            (window.release, knot)
-            for window, own in zip(problem.windows, times, strict=True)
-            for knot in own.tolist()
-        ]
-        return cls(tuple(times), tuple(np.split(_steps(each), np.cumsum([len(own) for own in times[:-1]]))))
+        counts = [len(own) for own in times]
+        release = np.repeat([window.release for window in problem.windows], counts)
+        goes_on = release[1:] == release[:-1]
+        length = np.concatenate([[0.0], np.where(goes_on, np.diff(np.concatenate(times)), 0.0)])
+        values = np.tril(release[:, None] == release) * np.sqrt(np.maximum(length, 0.0))
+        return cls(tuple(times), tuple(np.split(values, np.cumsum(counts[:-1]))))
 
     @property
     def steps(self) -> int:
@@ -296,18 +295,8 @@ class _Knots:
         return np.interp(window.clock, self.times[i], self.values[i] @ steps)
 
 
-def _steps(times: list[tuple[int, float]]) -> Array:
-    """Return a walk's values at knots, each a release and a time (s), by its steps, (knots, steps)."""
-    release = np.array([one for one, _ in times])
-    time = np.array([time for _, time in times])
-    goes_on = release[1:] == release[:-1]
-    length = np.concatenate([[0.0], np.where(goes_on, np.diff(time), 0.0)])
-    after = np.tril(release[:, None] == release)
-    return np.asarray(after * np.sqrt(np.maximum(length, 0.0)))
-
-
-def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> list[Array]:
-    """Return the change of window i's misfit by each of some weak forces per unit mass along its motion, (n,) each."""
+def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> Array:
+    """Return the change of window i's misfit by each of some weak forces per unit mass along its motion, (n, forces)."""
     substeps = problem.substeps(theta, i, tangent=True)
     base = problem.residual_of(i, problem.read(theta, i, problem.respond(theta, i, substeps)))
 
@@ -318,10 +307,7 @@ def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> l
     whole = change(np.sum(forces, axis=0), _PROBE)
     size = float(np.sqrt(np.mean(whole**2)))
     if not 0.0 < size < np.inf:  # the motion diverges
-        return [np.zeros_like(base) for _ in forces]
+        return np.zeros((len(base), len(forces)))
     step = _PROBE * _MOVED / size
-    found = []
-    for force in forces:
-        moved = change(force, step)
-        found.append(np.where(np.abs(moved) < JUMP, moved, 0.0) / step)
-    return found
+    moved = np.column_stack([change(force, step) for force in forces])
+    return np.asarray(np.where(np.abs(moved) < JUMP, moved, 0.0) / step)
