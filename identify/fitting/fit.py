@@ -261,19 +261,17 @@ def _result(
     normal[held], normal[:, held] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     values, vectors = np.linalg.eigh(normal / np.outer(own, own))
-    weak = values < _COLLINEAR
     inverse = 1.0 / np.maximum(values, 1e-3 * _COLLINEAR)
     covariance = (vectors * inverse) @ vectors.T / np.outer(own, own)
-    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
-    std = np.where(lost | held, np.inf, std)
+    lost = (vectors[:, values < _COLLINEAR] ** 2).sum(axis=1) > 0.5
     unidentifiable = tuple(
         u.name for u, gone, bound in zip(problem.unknowns, lost, fixed, strict=True) if gone and not bound
     )
+    spread = np.zeros(len(theta))
     if problem.expected:
         theta, covariance, spread = centred(problem, theta, covariance)
-        seen = np.where(np.isfinite(std), np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
-        std = np.hypot(seen, spread)
+    seen = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    std = np.where(lost | held, np.inf, np.hypot(seen, spread))
     window = problem.windows[0]
     return Fit(
         model=problem.model,

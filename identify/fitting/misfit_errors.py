@@ -273,15 +273,11 @@ def with_misfit_errors(found: Fit) -> Fit:
 
 def with_covariance(found: Fit, covariance: Array) -> Fit:
     """Replace the covariance of a fit's unknowns; the squares of its standard errors grow by the difference."""
-    more = np.diag(covariance) - np.diag(found.covariance)
-    stds = [
-        float(np.sqrt(max(found.values[u.name].std ** 2 + extra, 0.0)))
-        for u, extra in zip(found.unknowns, more, strict=True)
-    ]
-    values = {
-        u.name: replace(found.values[u.name], std=std) for u, std in zip(found.unknowns, stds, strict=True)
-    }
-    return replace(found, covariance=covariance, values=found.values | values)
+    values, more = {}, np.diag(covariance) - np.diag(found.covariance)
+    for name, extra in zip(found.names, more.tolist(), strict=True):
+        before = found.values[name]
+        values[name] = replace(before, std=float(np.sqrt(max(before.std**2 + extra, 0.0))))
+    return replace(found, covariance=covariance, values=values)
 
 
 def _density_elsewhere(cycles: tuple[CycleSums, ...]) -> float:

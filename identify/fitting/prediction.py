@@ -87,19 +87,18 @@ def predict_windows(
     if own.expected:
         again = weighed(own, own.theta(found.point))
         found = fit(model, again, found.point, frequency, near=True, held=still)
-    off, misfit, seen = {}, [], []
+    off = {}
     for unknown in found.unknowns:
         if unknown.deviates != NOWHERE:
             name = found.unknowns[unknown.deviates].name
             off[name] = percent_off(found.windows[unknown.window], unknown, found.point[name] - held[name])
-    for i, window in enumerate(found.windows):
-        used = window.used[window.channels[0]]
-        misfit.append(found.residual(window.channels[0], i)[used])
-        seen.append(window.readings[window.channels[0]][used])
-    left, runs_away = np.concatenate(misfit), not np.isfinite(found.chi_square)
+    channel, runs_away = windows[0].channels[0], not np.isfinite(found.chi_square)
+    used = np.concatenate([window.used[channel] for window in windows])
+    seen = np.concatenate([window.readings[channel] for window in windows])[used]
+    left = np.concatenate([found.residual(channel, i) for i in range(len(windows))])[used]
     physics = found.problem.within(found.theta, 0).tolist()
     return Prediction(
-        np.inf if runs_away else 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(np.concatenate(seen))),
+        np.inf if runs_away else 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(seen)),
         found.reduced,
         {u.name: value for u, value in zip(found.unknowns, physics, strict=True) if u.deviates == NOWHERE},
         off,

@@ -13,10 +13,8 @@ from identify.model.simulate import Response, make_system, simulate, substeps_fo
 from identify.preprocessing.fit_window import FitWindow
 
 _PRE_RELEASE_STEPS = 16
-_COARSE = 2.0
-_FAR = 4.0
-_TANGENT = 4.0
-"""How many times longer steps are beside a large misfit, far from the readings, and where only a slope is wanted."""
+_COARSE, _ROUGH = 2.0, 4.0
+"""How many times longer steps are beside a large misfit; and far from the readings, or where only a slope is wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class Problem:
         self.windows = windows
         self.acting = acting
         self.frequency = frequency
-        self.longer = _FAR if far else _COARSE if coarse else 1.0
+        self.longer = _ROUGH if far else _COARSE if coarse else 1.0
         self.layout = ParameterLayout(model, windows, frequency)
         self.unknowns = tuple(self.layout.unknowns)
         system = make_system(tuple(term.force for term in self.layout.forces))
@@ -92,7 +90,7 @@ class Problem:
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
         """Choose the number of integration steps a sample of window i, or for a `tangent` the number its slope needs."""
-        return self._substeps(self._table(self.within(theta, i)), i, _TANGENT if tangent else self.longer)
+        return self._substeps(self._table(self.within(theta, i)), i, _ROUGH if tangent else self.longer)
 
     def _substeps(self, table: Array, i: int, longer: float) -> int:
         rate, nonsmooth = self.windows[i].rate, self.system.nonsmooth
