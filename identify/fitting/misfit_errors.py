@@ -168,7 +168,7 @@ def _trial(sums: Sequence[CycleSums], p: int, time: float, power: float) -> tupl
     its columns under the process of strength 1.
     """
     mean = np.sqrt(np.mean(np.concatenate([one.amplitude for one in sums]) ** 2))
-    channels = len(sums) / max(len({one.window for one in sums}), 1)
+    channels = len(sums) / len({one.window for one in sums})
     products, along = np.zeros((len(_STRENGTHS), p, p)), np.zeros((len(_STRENGTHS), p))
     square, determinant = np.zeros(len(_STRENGTHS)), np.zeros(len(_STRENGTHS))
     process = []
@@ -216,8 +216,6 @@ def spread_of_releases(
     """
     release = np.array([window.release for window in windows])
     each = [_alone(cycles, scatter, release == one) for one in np.unique(release)]
-    if len(each) < 2:
-        return np.ones(len(std))
     values, errors = (np.array(parts) for parts in zip(*each, strict=True))
     counted = np.isfinite(errors) & (errors < _PRECISE * np.sqrt(len(each)) * std)
     weight = np.where(counted, 1.0 / errors**2, 0.0)
