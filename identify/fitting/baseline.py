@@ -1,6 +1,6 @@
 """The baseline: a model fitted to releases, and the noise floor to which its residual is compared."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +15,6 @@ from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
 from identify.model.model import Model
-from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise, stale
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -38,30 +37,16 @@ class Floor:
 
     channels: dict[str, Noise]
     chi_square_std: float
-    colours: dict[str, ChannelColour] = field(default_factory=dict)
-
-    def on(self, window: FitWindow) -> FitWindow:
-        """Return the window with this noise."""
-        return window.with_(
-            sigma={c: self.channels[c].std for c in window.channels},
-            colour=dict(self.colours),
-        )
 
 
-def refine_floor(
-    fit: Fit, before: tuple[dict[str, Noise], ...], colours: dict[str, ChannelColour] | None = None
-) -> tuple[Floor, ...]:
-    """Estimate the floor of each window from the noise known before and the high band of the fit's residual.
+def refined_floor(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, ChannelColour]) -> Floor:
+    """Estimate the floor of window i from the noise `known` before and the high band of the fit's residual.
 
     Two estimates that agree are averaged by their errors. Where the band above the motion lies higher, what the
     model lacks leaks into it, and the estimate from before stands; where it lies lower, it is the floor. Of a channel
     whose noise is coloured (`colours`) that is the floor of its white part.
     """
-    return tuple(_refine(fit, i, known, colours or {}) for i, known in enumerate(before))
-
-
-def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, ChannelColour]) -> Floor:
-    window = fit.windows[i].with_(colour=dict(colours))
+    window = fit.windows[i].with_(colour=colours)
     channels: dict[str, Noise] = {}
     share = 0.0
     total = sum(int(window.used[c].sum()) for c in window.channels)
@@ -81,7 +66,7 @@ def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, Channe
         relative = channels[channel].uncertainty / channels[channel].std
         share += (int(used.sum()) / total * float(np.hypot(2.0 * relative, open_))) ** 2
     spread = float(np.sqrt(2.0 / max(fit.degrees, 1) + share))
-    return Floor(channels, spread, colours)
+    return Floor(channels, spread)
 
 
 def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
@@ -131,12 +116,6 @@ class Baseline:
             for std, floor in zip(decided, self.floors, strict=True)
         ]
         return float(np.sqrt(np.mean(np.square(each))))
-
-    @property
-    def decided(self) -> "Baseline":
-        """The same with the width of its floor stored in the releases: a record has one width, whatever is fitted later."""
-        width = self.spread
-        return replace(self, decays=tuple(with_floor(prepared, width) for prepared in self.decays))
 
     @property
     def floor_is_sure(self) -> bool:
@@ -226,9 +205,9 @@ def fit_baseline(
     start = own_springs(decays, model, start) | start
     found = fit(model, windows, start, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
-    if any(new is not old for new, old in zip(mended, decays, strict=True)):
+    if mended != decays:
         found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
-    return refit_at_floor(mended, found).decided
+    return refit_at_floor(mended, found)
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
@@ -253,12 +232,19 @@ def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay
 
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
-    """Fit again with the noise floor that the fit's own residual shows."""
-    known = tuple(prepared.noise for prepared in decays)
-    floors = refine_floor(found, known, noise_colours(decays, found))
-    windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
+    """Fit again with the noise floor that the fit's own residual shows, and store its width in releases that have none.
+
+    A record has one width, whatever is fitted later.
+    """
+    colours = noise_colours(decays, found)
+    floors = tuple(refined_floor(found, i, prepared.noise, colours) for i, prepared in enumerate(decays))
+    windows = tuple(
+        window.with_(sigma={c: floor.channels[c].std for c in window.channels}, colour=colours)
+        for floor, window in zip(floors, found.windows, strict=True)
+    )
     settled = fit(found.model, windows, found.point, found.frequency, near=True, tolerance=_SETTLED)
-    return Baseline(decays, settled, floors)
+    baseline = Baseline(decays, settled, floors)
+    return replace(baseline, decays=tuple(with_floor(prepared, baseline.spread) for prepared in decays))
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

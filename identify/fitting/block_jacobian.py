@@ -67,16 +67,6 @@ class BlockJacobian:
             pattern, tuple(np.zeros((len(at), n)) for at, n in zip(pattern.places, readings, strict=True))
         )
 
-    @property
-    def places(self) -> tuple[NDArray[np.int_], ...]:
-        """The unknowns of each window."""
-        return self.pattern.places
-
-    @property
-    def shared(self) -> Mask:
-        """Which unknowns are those of several windows, (unknowns,)."""
-        return self.pattern.shared
-
     def __len__(self) -> int:
         """Return the number of readings in all windows."""
         return sum(block.shape[1] for block in self.blocks)
@@ -92,29 +82,23 @@ class BlockJacobian:
         for i, row in self.pattern.found[j]:
             yield i, self.blocks[i][row]
 
-    def column(self, j: int) -> Array:
-        """Return the column of unknown j over all readings, (readings,)."""
-        full = np.zeros(len(self))
-        rows = self.rows
-        for i, values in self.of_unknown(j):
-            full[rows[i]] = values
-        return full
-
     def change(self, step: Array) -> Array:
         """Return the change of the misfit by a small step of the unknowns, (readings,)."""
-        return np.concatenate([step[at] @ block for at, block in zip(self.places, self.blocks, strict=True)])
+        return np.concatenate(
+            [step[at] @ block for at, block in zip(self.pattern.places, self.blocks, strict=True)]
+        )
 
     def gradient(self, misfit: Array) -> Array:
         """Return the products of all columns with a misfit (readings,), (unknowns,)."""
-        total = np.zeros(len(self.shared))
-        for at, block, rows in zip(self.places, self.blocks, self.rows, strict=True):
+        total = np.zeros(len(self.pattern.shared))
+        for at, block, rows in zip(self.pattern.places, self.blocks, self.rows, strict=True):
             total[at] += block @ misfit[rows]
         return total
 
     def normal(self) -> Array:
         """Return the products of all columns with one another, (unknowns, unknowns)."""
-        total = np.zeros((len(self.shared), len(self.shared)))
-        for at, block in zip(self.places, self.blocks, strict=True):
+        total = np.zeros((len(self.pattern.shared), len(self.pattern.shared)))
+        for at, block in zip(self.pattern.places, self.blocks, strict=True):
             total[np.ix_(at, at)] += block @ block.T
         return total
 
@@ -126,7 +110,7 @@ class BlockJacobian:
         moved teaches nothing but rounding.
         """
         blocks, largest = [], float(np.sum((step / size) ** 2))
-        for at, block, rows in zip(self.places, self.blocks, self.rows, strict=True):
+        for at, block, rows in zip(self.pattern.places, self.blocks, self.rows, strict=True):
             moved = step[at] / size[at]
             square = float(moved @ moved)
             if square > _STOOD_STILL * largest:
@@ -150,11 +134,11 @@ class BlockJacobian:
 
         The latter (n, s) is of what the former leave of them.
         """
-        own, left, shared = [], [], np.flatnonzero(self.shared)
-        for at, block in zip(self.places, self.blocks, strict=True):
-            basis = _orthonormal(block[~self.shared[at]].T)
+        own, left, shared = [], [], np.flatnonzero(self.pattern.shared)
+        for at, block in zip(self.pattern.places, self.blocks, strict=True):
+            basis = _orthonormal(block[~self.pattern.shared[at]].T)
             columns = np.zeros((block.shape[1], len(shared)))
-            columns[:, np.isin(shared, at)] = block[self.shared[at]].T
+            columns[:, np.isin(shared, at)] = block[self.pattern.shared[at]].T
             own.append(basis)
             left.append(columns - basis @ (basis.T @ columns))
         together = _orthonormal(np.concatenate(left))

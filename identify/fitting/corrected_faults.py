@@ -71,10 +71,10 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     errors, variances, allowed = [], [], []
     for i, prepared in enumerate(decays):
         gain = fit.nuisance("gain", i)
-        if gain is None or not np.isfinite(gain.std) or not gain.std > 0.0:
+        if gain is None:
             continue
         variance = gain.std**2 * max(fit.reduced, 1.0)
-        if not np.isfinite(variance):  # the motion diverged
+        if not 0.0 < variance < np.inf:  # the gain is held, or the motion diverged
             continue
         errors.append(gain.value - 1.0)
         variances.append(variance)

@@ -37,7 +37,7 @@ class Fit:
 
     `values` holds every unknown by its name with its standard error; `chi_square` the sum of squares in units of the
     noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a window.
-    `outcome` is a sentence: what was reached, or what to do next; `unidentifiable` names parameters that this
+    `converged` says that no step was predicted to gain anything any more; `unidentifiable` names parameters that this
     record does not determine. `theta` and `covariance` belong to `unknowns`.
     """
 
@@ -51,7 +51,6 @@ class Fit:
     degrees: int
     predicted: tuple[dict[str, Array], ...]
     converged: bool
-    outcome: str
     unidentifiable: tuple[str, ...]
     frequency: float
 
@@ -59,6 +58,15 @@ class Fit:
     def reduced(self) -> float:
         """Reduced chi-square: 1 means that the residual is noise."""
         return self.chi_square / max(self.degrees, 1)
+
+    @property
+    def outcome(self) -> str:
+        """What was reached, or what to do next, in words."""
+        settled = (
+            "The fit settled." if self.converged else "The fit did not settle; try other starting values."
+        )
+        lost = ", ".join(self.unidentifiable)
+        return f"{settled} This record does not determine {lost}." if lost else settled
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -172,7 +180,7 @@ def fit(
     in turn.
     """
     problem = Problem(model, windows, frequency)
-    still = np.array([u.name in held for u in problem.unknowns]) if held else None
+    still = np.array([u.name in held for u in problem.unknowns], dtype=bool)
     lower = partial(minimise_fully, tolerance=tolerance, held=still, goal=goal)
     found = _fit(problem, start, lower, still, near=near, goal=goal)
     for _ in range(_ROUNDS):
@@ -187,7 +195,7 @@ def _fit(
     problem: Problem,
     start: dict[str, float],
     lower: Callable[[Problem, Array], Minimum],
-    still: Mask | None,
+    still: Mask,
     *,
     near: bool,
     goal: float,
@@ -210,16 +218,17 @@ def _fit(
             return fit_at(problem, theta)
     found = lower(problem, theta)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta, skip=still)[1]
-    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled, still=still)
+    return _result(problem, found.theta, found.cost, jacobian, still, settled=found.settled)
 
 
 def fit_at(problem: Problem, theta: Array) -> Fit:
     """Make the fit at some values, without a further step."""
     residual, jacobian = linearise(problem, theta)
-    return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
+    still = np.zeros(len(theta), dtype=bool)
+    return _result(problem, theta, float(residual @ residual), jacobian, still, settled=False)
 
 
-def _grow(whole: Problem, theta: Array, still: Mask | None) -> Array:
+def _grow(whole: Problem, theta: Array, still: Mask) -> Array:
     """Fit the unknowns to the first few cycles, then to more and more."""
     windows, w = whole.windows, whole.frequency
     longest = max(len(s) for s in windows)
@@ -240,36 +249,29 @@ def _result(
     theta: Array,
     cost: float,
     jacobian: BlockJacobian,
+    held: Mask,
     *,
     settled: bool,
-    still: Mask | None = None,
 ) -> Fit:
-    held = np.zeros(len(theta), dtype=bool) if still is None else still
     fixed = held | (theta <= problem.low) | (theta >= problem.high)
     normal = jacobian.normal()
     # The readings do not tell a shared part from the mean of its deviations, which `centred` takes as none.
-    for shared in {one.shared for one in problem.expected}:
-        deviations = [one.own for one in problem.expected if one.shared == shared]
+    for shared, deviations in problem.deviations.items():
         normal[np.ix_(deviations, deviations)] += normal[shared, shared]
     normal[held], normal[:, held] = 0.0, 0.0
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     values, vectors = np.linalg.eigh(normal / np.outer(own, own))
-    weak = values < _COLLINEAR
     inverse = 1.0 / np.maximum(values, 1e-3 * _COLLINEAR)
     covariance = (vectors * inverse) @ vectors.T / np.outer(own, own)
-    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
-    std = np.where(lost | held, np.inf, std)
+    lost = (vectors[:, values < _COLLINEAR] ** 2).sum(axis=1) > 0.5
     unidentifiable = tuple(
         u.name for u, gone, bound in zip(problem.unknowns, lost, fixed, strict=True) if gone and not bound
     )
-    outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
-    if unidentifiable:
-        outcome += f" This record does not determine {', '.join(unidentifiable)}."
+    spread = np.zeros(len(theta))
     if problem.expected:
         theta, covariance, spread = centred(problem, theta, covariance)
-        seen = np.where(np.isfinite(std), np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
-        std = np.hypot(seen, spread)
+    seen = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    std = np.where(lost | held, np.inf, np.hypot(seen, spread))
     window = problem.windows[0]
     return Fit(
         model=problem.model,
@@ -284,10 +286,9 @@ def _result(
         chi_square=cost,
         degrees=len(jacobian) - int((~fixed).sum()),
         predicted=tuple(
-            problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
+            problem.read(theta, i, motion.response) for i, motion in enumerate(problem.motions(theta))
         ),
         converged=settled,
-        outcome=outcome,
         unidentifiable=unidentifiable,
         frequency=problem.frequency,
     )

@@ -37,12 +37,11 @@ class HarmonicResidual:
     """The ratio of a residual's power at the harmonics to that between them.
 
     `ratio` is that of an adequate model's expectation, 1 where nothing is left; `p_value` the probability that noise alone
-    gives as much; `channels` holds the p-value of each channel by itself. A record too short to tell gives p = 1.
+    gives as much.
     """
 
     ratio: float
     p_value: float
-    channels: dict[str, float]
 
     @property
     def against(self) -> bool:
@@ -51,9 +50,7 @@ class HarmonicResidual:
 
     @property
     def sentence(self) -> str:
-        """Its meaning, for a record whose noise floor is a guess; "" where the record is too short."""
-        if not self.channels:
-            return ""
+        """Its meaning, for a record whose noise floor is a guess."""
         odds = "p < 1e-6" if self.p_value < 1e-6 else f"p = {self.p_value:.1g}"
         decides = "more than noise explains" if self.against else "no more than noise explains"
         return (
@@ -62,15 +59,13 @@ class HarmonicResidual:
         )
 
 
-def harmonic_residual(fit: Fit) -> HarmonicResidual:
+def harmonic_residual(fit: Fit) -> HarmonicResidual | None:
     """Compare a residual's power at one, two and three times the motion's frequency with that between these.
 
-    Of all releases together, in units of the noise, whitened where it is coloured.
+    Of all releases together, in units of the noise, whitened where it is coloured. None where they are too short to tell.
     """
     residual, jacobian = fit.linearised
-    if not np.isfinite(residual).all():
-        return HarmonicResidual(np.inf, 0.0, {})
-    found: dict[str, list[Array]] = {}
+    found: list[Array] = []
     for i, window in enumerate(fit.windows):
         columns, first = np.column_stack([residual[jacobian.rows[i]], *jacobian.bases[i]]), 0
         for channel in window.channels:
@@ -78,11 +73,8 @@ def harmonic_residual(fit: Fit) -> HarmonicResidual:
             powers = _powers(window, channel, columns[first : first + count], fit.frequency)
             first += count
             if powers is not None:
-                found.setdefault(channel, []).append(powers)
-    if not found:
-        return HarmonicResidual(1.0, 1.0, {})
-    ratio, p = _ratio(np.sum([powers for parts in found.values() for powers in parts], axis=0))
-    return HarmonicResidual(ratio, p, {c: _ratio(np.sum(parts, axis=0))[1] for c, parts in found.items()})
+                found.append(powers)
+    return _compared(np.sum(found, axis=0)) if found else None
 
 
 def _powers(window: FitWindow, channel: str, columns: Array, frequency: float) -> Array | None:
@@ -124,11 +116,11 @@ def _places(bins: Array, width: float, rate: float, frequency: float) -> tuple[M
     return at, off
 
 
-def _ratio(powers: Array) -> tuple[float, float]:
-    """Return the ratio of power at the harmonics to that off them, over its expectation, and its p-value."""
+def _compared(powers: Array) -> HarmonicResidual:
+    """Compare the power at the harmonics with that off them, both summed over windows and channels."""
     at, scaled, expected_at, expected_off, shift = powers.tolist()
     ratio = at / scaled
     unsure = 1.0 / (_INDEPENDENT * expected_at) + (shift / expected_at) ** 2
     from scipy.special import fdtrc  # loaded when it is needed
 
-    return ratio, float(fdtrc(2.0 / unsure, 2.0 * _INDEPENDENT * expected_off, ratio))
+    return HarmonicResidual(ratio, float(fdtrc(2.0 / unsure, 2.0 * _INDEPENDENT * expected_off, ratio)))

@@ -93,11 +93,8 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
         return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
     size[size == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
-    found = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=-1)[0]
-    if np.any((found < low * size) | (found > high * size)):
-        found = bounded_least_squares(triangle[:, :-1], triangle[:, -1], low * size, high * size)
-    found = found / size
-    return np.asarray(found[: len(model.forces)])
+    found = bounded_least_squares(triangle[:, :-1], triangle[:, -1], low * size, high * size)
+    return np.asarray((found / size)[: len(model.forces)])
 
 
 def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tuple[Array, Array]:
@@ -183,7 +180,7 @@ def term_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
     return _named(term, term.effect.starting_values(scales, term.channel))
 
 
-def starts_between(term: Term, scales: Scales, times: int = 1) -> tuple[dict[str, float], ...]:
+def starts_between(term: Term, scales: Scales, times: int) -> tuple[dict[str, float], ...]:
     """List the same with a place between each two neighbouring ones, added so many times."""
     starts = term.effect.starting_values(scales, term.channel)
     for _ in range(times):

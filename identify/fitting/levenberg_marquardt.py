@@ -45,7 +45,6 @@ class _Step:
     theta: Array
     residual: Array
     cost: float
-    gained: float
     predicted: float
     damping: float
 
@@ -80,14 +79,15 @@ def minimise(
         if step is None:
             settled = True
             break
-        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
+        gained = cost - step.cost
+        settled = gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
-        slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
+        slow = slow + 1 if goal > 0.0 and gained < _CREEPS * (cost - goal) else 0
         if settled or slow > 1:
             # the Jacobian that predicted so small a step holds at its end, unless damping made it small
             exact = exact and step.damping <= _UNDAMPED and settled
             break
-        if step.gained > _AS_PREDICTED * step.predicted:
+        if gained > _AS_PREDICTED * step.predicted:
             moved = theta - before[0]
             surprise = residual - before[1] - jacobian.change(moved)
             jacobian, exact = jacobian.mended(moved, problem.sizes(before[0]), surprise), False
@@ -143,8 +143,7 @@ def _step(
         trial = problem.residuals(candidate)
         trial_cost = sum_of_squares(trial)
         if np.isfinite(trial_cost) and trial_cost < cost:
-            gained = cost - trial_cost
-            return _Step(candidate, trial, trial_cost, gained, float(predicted), damping)
+            return _Step(candidate, trial, trial_cost, float(predicted), damping)
         if predicted < least:
             return None
         damping = max(damping * 8.0, 1e-7)

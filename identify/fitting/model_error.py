@@ -95,14 +95,14 @@ def line_percent(fit: Fit, term: Term) -> float:
 
 def errors_of(start: Baseline) -> ModelError:
     """Return the errors of a fitted model, over all its releases."""
-    force, horizon = [], 0.0
-    for i, (prepared, window) in enumerate(zip(start.decays, start.fit.windows, strict=True)):
-        force.append(force_mse_percent(prepared, *force_misfit(prepared, start.fit, i)))
-        horizon = max(horizon, len(window) / window.rate)
+    force = [
+        force_mse_percent(prepared, *force_misfit(prepared, start.fit, i))
+        for i, prepared in enumerate(start.decays)
+    ]
     return ModelError(
         float(np.mean(force)),
         motion_percent(start.fit),
-        horizon,
+        max(len(window) / window.rate for window in start.fit.windows),
         start.reduced(start.fit),
         start.spread,
     )

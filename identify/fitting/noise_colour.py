@@ -188,29 +188,18 @@ class ChannelColour(Colour):
 
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
-    hum = [_hum(prepared, fit, i) for i, prepared in enumerate(decays)]
-    rests = [_rests_of(prepared, lines) for prepared, lines in zip(decays, hum, strict=True)]
+    hum, rests = [], []
+    for i, prepared in enumerate(decays):
+        seen = prepared.rest_colour
+        # A channel without a rest, or with one in which a converter's steps hide smaller lines, shows hum along the motion.
+        hum.append({} if all(c in seen for c in prepared.window.channels) else common_lines(fit, i))
+        rests.append(with_common_lines(seen, prepared.frequency / (2.0 * np.pi), hum[i]))
     found = {}
     for channel in fit.windows[0].channels:
         colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum[0].get(channel, ()))
         if colour is not None:
             found[channel] = colour
     return found
-
-
-def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Find the lines along the motion that are hum in both channels, where no rest shows those of each channel.
-
-    There was no rest, or the converter's steps hide smaller lines.
-    """
-    if all(channel in prepared.rest_colour for channel in prepared.window.channels):
-        return {}
-    return common_lines(fit, i)
-
-
-def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
-    colours = {c: r for c, r in prepared.rest_colour.items() if c in prepared.window.readings}
-    return with_common_lines(colours, prepared.frequency / (2.0 * np.pi), hum)
 
 
 def _colour(
@@ -262,18 +251,14 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         places = alike(own + at_rest)
         models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
         smooth = [
-            _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, *place)
+            # a residual above the noise at rest is misfit
+            _is_smooth(power, model, harmonic, between) and at_rest.max() - at_rest[place] < _VETO
             for place, model in zip(places, models, strict=True)
         ]
         if any(smooth):  # one shape that it can be is enough; the others are out
             own[[row for (row, _), good in zip(places, smooth, strict=True) if not good]] -= UNLIKE
             total += own
     return total
-
-
-def _is_allowed(at_rest: Array, row: int, column: int) -> bool:
-    """Check whether the rest may have this colour: a residual above the noise at rest is misfit."""
-    return bool(at_rest.max() - at_rest[row, column] < _VETO)
 
 
 def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.force_effect import LinearPart
-from identify.fitting.parameter_layout import OWN_STIFFNESS, Deviation, windows_by_release
+from identify.fitting.parameter_layout import OWN_STIFFNESS, Unknown, windows_by_release
 from identify.fitting.problem import Problem
 from identify.model.model import Model
 from identify.model.parameter_id import nuisance
@@ -102,10 +102,17 @@ def without_own_linear(windows: Sequence[FitWindow]) -> tuple[FitWindow, ...]:
 
 
 def weighed(problem: Problem, theta: Array) -> tuple[FitWindow, ...]:
-    """Scale the priors of a problem's windows to the residual at `theta`; return the same windows if they fit already."""
+    """Scale the priors of a problem's windows to the residual at `theta`; return the same windows if they fit already.
+
+    The weight is 1 where the model is right; what it leaves beyond the noise repeats in every reading of a half-cycle.
+    """
     if not problem.expected:
         return problem.windows
-    weight = _scatter(problem, theta)
+    off = np.concatenate([motion.misfit for motion in problem.motions(theta)])
+    if not np.isfinite(off).all():
+        return problem.windows
+    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
+    weight = 1.0 + max(float(np.mean(off**2)) - 1.0, 0.0) * half_cycle
     return tuple(_with_weight(window, weight) for window in problem.windows)
 
 
@@ -118,45 +125,27 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
     """
     turned, spread = np.eye(len(theta)), np.zeros(len(theta))
     theta = theta.copy()
-    for one in problem.expected:
-        theta[one.own] = problem.deviation(theta, one)
-    for shared in {one.shared for one in problem.expected}:
-        own = [one for one in problem.expected if one.shared == shared]
-        places = [one.own for one in own]
-        turned[shared, places] += 1.0 / len(own)
-        turned[np.ix_(places, places)] -= 1.0 / len(own)
+    for j in problem.expected:
+        theta[j] = problem.deviation(theta, j)
+    for shared, own in problem.deviations.items():
+        turned[shared, own] += 1.0 / len(own)
+        turned[np.ix_(own, own)] -= 1.0 / len(own)
         if len(own) > 1:
-            spread[shared] = np.std(theta[places], ddof=1) / np.sqrt(len(own))
+            spread[shared] = np.std(theta[own], ddof=1) / np.sqrt(len(own))
     return turned @ theta, turned @ covariance @ turned.T, spread
 
 
-def percent_off(problem: Problem, one: Deviation, off: float) -> float:
-    """Express a release's deviation `off` in % of its squared frequency or its mean loss."""
-    own = problem.windows[one.windows[0]].own_linear
-    assert own is not None
-    is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
-    spring, damper = shares_of(problem.windows[one.windows[0]].varies)
-    share, std = (spring, own.stiffness) if is_spring else (damper, own.damping)
-    return 100.0 * share * off / std
+def percent_off(window: FitWindow, unknown: Unknown, off: float) -> float:
+    """Express the deviation `off` of a release in % of its squared frequency or its mean loss."""
+    spring, damper = shares_of(window.varies)
+    return 100.0 * (spring if unknown.id.parameter == OWN_STIFFNESS else damper) * off / unknown.size
 
 
 def _with_weight(window: FitWindow, weight: float) -> FitWindow:
     own = window.own_linear
     if own is None or 1.0 / _AS_GOOD <= own.weight / weight <= _AS_GOOD:
         return window
-    return window.with_(own_linear=OwnLinear(own.stiffness, own.damping, weight))
-
-
-def _scatter(problem: Problem, theta: Array) -> float:
-    """Return the variance of a reading, in units of the noise, that scales the priors.
-
-    1 where the model is right; what it leaves beyond the noise repeats in every reading of a half-cycle.
-    """
-    off = problem.residuals(theta)[: -len(problem.expected)]
-    if not np.isfinite(off).all():
-        return 1.0
-    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
-    return 1.0 + max(float(np.mean(off**2)) - 1.0, 0.0) * half_cycle
+    return window.with_(own_linear=replace(own, weight=weight))
 
 
 def _loss(window: FitWindow, frequency: float) -> float:

@@ -27,8 +27,9 @@ class Unknown:
     """One unknown: its effect, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
-    how it is read. What `moves` several windows, the pieces of one release, has the first of them as its window. It
-    `deviates` from a shared unknown, at that place, by what that is in its release beyond what it is in all.
+    how it is read. One that `deviates` from a shared unknown, at that place, is what that is in one release beyond what it
+    is in all, and belongs to the first of its windows; `std` is the standard deviation of its prior, divided by the root of
+    the weight of that.
     """
 
     id: ParameterId
@@ -38,8 +39,8 @@ class Unknown:
     size: float = 0.0
     window: int = NOWHERE
     simulated: bool = True
-    moves: tuple[int, ...] = ()
     deviates: int = NOWHERE
+    std: float = np.inf
 
     @cached_property
     def name(self) -> str:
@@ -71,19 +72,6 @@ class ReleasePlaces:
     faults: tuple[tuple[Term, list[int]], ...]
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """An unknown at place `own` that adds to the shared one at `shared` in some windows, and its standard deviation.
-
-    The latter is that of the prior, divided by the root of its weight.
-    """
-
-    own: int
-    shared: int
-    windows: tuple[int, ...]
-    std: float
-
-
 def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...]]:
     """Return the places of the windows of each release, by its number."""
     found: dict[int, tuple[int, ...]] = {}
@@ -97,8 +85,8 @@ class ParameterLayout:
 
     `forces` are the terms that the simulator calls, a row of its table each: `held` (rows, parameters) has the values
     that are not fitted, `cells` say where unknowns go. `linear` are the places of the built-in forces' strengths, and
-    `force_gain` that of the scale of an external force; NOWHERE where there is none. `deviations` are what single
-    releases have of their own beside a shared strength. KeyError for a shared parameter that no term has.
+    `force_gain` that of the scale of an external force; NOWHERE where there is none. KeyError for a shared parameter that
+    no term has.
     """
 
     def __init__(self, model: Model, windows: Sequence[FitWindow], frequency: float) -> None:
@@ -113,7 +101,7 @@ class ParameterLayout:
             self.force_gain = self._add(Unknown(nuisance("force_gain"), "1", 0.2, 5.0, 1e-2))
         self.releases = tuple(self._release(i, window) for i, window in enumerate(windows))
         self.held, self.cells = self._table()
-        self.deviations = self._deviations(windows)
+        self._deviations(windows)
 
     def _add(self, unknown: Unknown) -> int:
         self.unknowns.append(unknown)
@@ -177,9 +165,9 @@ class ParameterLayout:
         }
         return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
 
-    def _deviations(self, windows: Sequence[FitWindow]) -> tuple[Deviation, ...]:
+    def _deviations(self, windows: Sequence[FitWindow]) -> None:
         """Add the deviations of each release's spring and damper from the shared ones, where these may differ."""
-        found, groups = [], windows_by_release(windows)
+        groups = windows_by_release(windows)
         for number, places in enumerate(groups.values()):
             own = windows[places[0]].own_linear
             if own is None:
@@ -188,15 +176,12 @@ class ParameterLayout:
                 (LinearPart.STIFFNESS, OWN_STIFFNESS, own.stiffness),
                 (LinearPart.DAMPING, OWN_DAMPING, own.damping),
             ):
-                if self.linear[part] == NOWHERE or not std > 0.0:
+                shared = self.linear[part]
+                if shared == NOWHERE or not std > 0.0:
                     continue
-                unit = self.unknowns[self.linear[part]].unit
-                id = nuisance(name, number, len(groups))
-                at = self._add(
-                    Unknown(id, unit, size=std, window=places[0], moves=places, deviates=self.linear[part])
-                )
-                found.append(Deviation(at, self.linear[part], places, std / float(np.sqrt(own.weight))))
-        return tuple(found)
+                id, unit = nuisance(name, number, len(groups)), self.unknowns[shared].unit
+                weighed = std / float(np.sqrt(own.weight))
+                self._add(Unknown(id, unit, size=std, window=places[0], deviates=shared, std=weighed))
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
         """Add the internal states at the start of a window that the motion before the release does not give."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.estimate import Estimate
 from identify.fitting.fit import fit
-from identify.fitting.initial_values import initial_values
+from identify.fitting.initial_values import initial_nuisances
 from identify.fitting.own_linear import own_springs, percent_off, weighed, with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
@@ -61,7 +61,7 @@ def predict(
         raise ValueError(f"no value is given for {', '.join(missing)}")
     pieces = segments_of(decay)
     known = {name: v.value if isinstance(v, Estimate) else float(v) for name, v in values.items()}
-    start = known | initial_values(pieces, model, known) | known | _faults(model, known, len(pieces))
+    start = initial_nuisances(pieces, model, known) | known | _faults(model, known, len(pieces))
     windows, frequency = tuple(piece.window for piece in pieces), pieces[0].frequency
     windows = without_own_linear(windows) if hold else with_own_linear(windows, frequency)
     start = own_springs(pieces, model, start) | start
@@ -87,18 +87,18 @@ def predict_windows(
     if own.expected:
         again = weighed(own, own.theta(found.point))
         found = fit(model, again, found.point, frequency, near=True, held=still)
-    off, misfit, seen = {}, [], []
-    for one in found.problem.expected:
-        name = found.unknowns[one.shared].name
-        off[name] = percent_off(found.problem, one, found.point[name] - held[name])
-    for i, window in enumerate(found.windows):
-        used = window.used[window.channels[0]]
-        misfit.append(found.residual(window.channels[0], i)[used])
-        seen.append(window.readings[window.channels[0]][used])
-    left, runs_away = np.concatenate(misfit), not np.isfinite(found.chi_square)
+    off = {}
+    for unknown in found.unknowns:
+        if unknown.deviates != NOWHERE:
+            name = found.unknowns[unknown.deviates].name
+            off[name] = percent_off(found.windows[unknown.window], unknown, found.point[name] - held[name])
+    channel, runs_away = windows[0].channels[0], not np.isfinite(found.chi_square)
+    used = np.concatenate([window.used[channel] for window in windows])
+    seen = np.concatenate([window.readings[channel] for window in windows])[used]
+    left = np.concatenate([found.residual(channel, i) for i in range(len(windows))])[used]
     physics = found.problem.within(found.theta, 0).tolist()
     return Prediction(
-        np.inf if runs_away else 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(np.concatenate(seen))),
+        np.inf if runs_away else 100.0 * float(np.sqrt(np.mean(left**2)) / np.std(seen)),
         found.reduced,
         {u.name: value for u, value in zip(found.unknowns, physics, strict=True) if u.deviates == NOWHERE},
         off,

@@ -7,28 +7,23 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.fitting.block_jacobian import BlockPattern
-from identify.fitting.parameter_layout import NOWHERE, Deviation, ParameterLayout, amplitude_of
+from identify.fitting.parameter_layout import NOWHERE, ParameterLayout, amplitude_of
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
 from identify.preprocessing.fit_window import FitWindow
 
 _PRE_RELEASE_STEPS = 16
-_COARSE = 2.0
-_FAR = 4.0
-_TANGENT = 4.0
-"""How many times longer steps are beside a large misfit, far from the readings, and where only a slope is wanted."""
-
-_ENOUGH_FAR = 24
-"""Readings a cycle that show a misfit far above the noise."""
+_COARSE, _ROUGH = 2.0, 4.0
+"""How many times longer steps are beside a large misfit; and far from the readings, or where only a slope is wanted."""
 
 
-@dataclass(eq=False)
-class _Motion:
-    """One window simulated at its own unknowns, (own,), and its misfit once it was wanted, (n,)."""
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """One window simulated at its own unknowns, (own,), and its misfit in units of the noise, (n,)."""
 
     unknowns: Array
     response: Response
-    misfit: Array | None = None
+    misfit: Array
 
 
 class Problem:
@@ -54,12 +49,12 @@ class Problem:
         acting: tuple[Array, ...] = (),
     ) -> None:
         if far:
-            windows = tuple(w.thinned(int(2.0 * np.pi / frequency * w.rate / _ENOUGH_FAR)) for w in windows)
+            windows = tuple(window.at_few_readings(frequency) for window in windows)
         self.model = model
         self.windows = windows
         self.acting = acting
         self.frequency = frequency
-        self.longer = _FAR if far else _COARSE if coarse else 1.0
+        self.longer = _ROUGH if far else _COARSE if coarse else 1.0
         self.layout = ParameterLayout(model, windows, frequency)
         self.unknowns = tuple(self.layout.unknowns)
         system = make_system(tuple(term.force for term in self.layout.forces))
@@ -70,15 +65,19 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
-        moves = [u.moves or ((u.window,) if u.window != NOWHERE else None) for u in self.unknowns]
-        self.expected = self.layout.deviations
-        self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
-        self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
+        self.expected = [j for j, u in enumerate(self.unknowns) if u.deviates != NOWHERE]
+        release = [window.release for window in windows]
+        self._own = [[j for j in self.expected if release[self.unknowns[j].window] == one] for one in release]
+        moves: list[tuple[int, ...] | None]
+        moves = [None if u.window == NOWHERE else (u.window,) for u in self.unknowns]
+        for j in self.expected:
+            moves[j] = tuple(i for i, own in enumerate(self._own) if j in own)
+        self.pattern = BlockPattern.of(moves, len(windows), self.expected)
         strengths = {str(term.strength) for term in model.forces}
         self._strengths = [i for i, u in enumerate(self.unknowns) if u.name in strengths]
         self.steps = np.zeros(len(self.unknowns))
         self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
-        self._kept: list[list[_Motion]] = [[] for _ in windows]
+        self._kept: list[list[Simulated]] = [[] for _ in windows]
 
     def theta(self, values: dict[str, float]) -> Array:
         """Return the unknowns, (unknowns,), at values by name; 0 for one without."""
@@ -86,13 +85,12 @@ class Problem:
 
     def sizes(self, theta: Array) -> Array:
         """Return the natural size of each unknown; that of an inner parameter is its value."""
-        tiny = 1e-3 * np.abs(theta)
-        size = np.where(self.size > 0.0, self.size, np.maximum(np.abs(theta), tiny))
+        size = np.where(self.size > 0.0, self.size, np.abs(theta))
         return np.where(size > 0.0, size, 1.0)
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
         """Choose the number of integration steps a sample of window i, or for a `tangent` the number its slope needs."""
-        return self._substeps(self._table(self.within(theta, i)), i, _TANGENT if tangent else self.longer)
+        return self._substeps(self._table(self.within(theta, i)), i, _ROUGH if tangent else self.longer)
 
     def _substeps(self, table: Array, i: int, longer: float) -> int:
         rate, nonsmooth = self.windows[i].rate, self.system.nonsmooth
@@ -106,14 +104,21 @@ class Problem:
         if not self._own[i] and self.windows[i].lightness == 1.0:
             return theta
         theta = theta.copy()
-        for one in self._own[i]:
-            theta[one.shared] += self.deviation(theta, one)
+        for j in self._own[i]:
+            theta[self.unknowns[j].deviates] += self.deviation(theta, j)
         theta[self._strengths] *= self.windows[i].lightness
         return theta
 
-    def deviation(self, theta: Array, one: Deviation) -> float:
-        """Return the deviation of a release, limited so that its value stays within the bound."""
-        return float(max(theta[one.own], self.low[one.shared] - theta[one.shared]))
+    def deviation(self, theta: Array, j: int) -> float:
+        """Return a release's deviation, unknown j, limited so that its value stays within the bound."""
+        shared = self.unknowns[j].deviates
+        return float(max(theta[j], self.low[shared] - theta[shared]))
+
+    @property
+    def deviations(self) -> dict[int, list[int]]:
+        """The places of the deviations from each shared unknown that has some, by its place."""
+        shared = {self.unknowns[j].deviates for j in self.expected}
+        return {at: [j for j in self.expected if self.unknowns[j].deviates == at] for at in shared}
 
     def respond(
         self, theta: Array, i: int, substeps: int | None = None, *, extra: Array | None = None
@@ -148,30 +153,21 @@ class Problem:
         parts = [one for one in (force, acting, extra) if one is not None]
         return np.asarray(sum(parts)) if parts else None
 
-    def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows; those whose unknowns equal one of their last two motions are taken from memory."""
-        return [self._motion(theta, i).response for i in range(len(self.windows))]
+    def motions(self, theta: Array) -> list[Simulated]:
+        """Simulate all windows; a misfit is inf where its motion diverges.
 
-    def misfits(self, theta: Array) -> list[Array]:
-        """Return the misfit of each window in units of the noise, computed only for new motions; inf where they diverge."""
-        found = []
-        for i in range(len(self.windows)):
-            motion = self._motion(theta, i)
-            if motion.misfit is None:
-                motion.misfit = self.residual_of(i, self.read(theta, i, motion.response))
-            found.append(motion.misfit)
-        return found
-
-    def _motion(self, theta: Array, i: int) -> _Motion:
-        """Return the motion of window i: one of the last two, or a new simulation, which is stored.
-
-        What was tried is then linearised and read, or left for what was before; a start that changes moves one window only.
+        Those whose unknowns equal one of their last two motions are taken from memory: what was tried is then linearised
+        and read, or left for what was before; a start that changes moves one window only.
         """
+        return [self._motion(theta, i) for i in range(len(self.windows))]
+
+    def _motion(self, theta: Array, i: int) -> Simulated:
         own, kept = theta[self.pattern.places[i]], self._kept[i]
         for motion in kept:
             if np.array_equal(motion.unknowns, own):
                 return motion
-        kept.insert(0, _Motion(own, self.respond(theta, i)))
+        response = self.respond(theta, i)
+        kept.insert(0, Simulated(own, response, self.residual_of(i, self.read(theta, i, response))))
         del kept[2:]
         return kept[0]
 
@@ -253,8 +249,8 @@ class Problem:
         """Return the deviations of each release, in standard deviations, as one array; empty where it may not differ."""
         if not self.expected:
             return []
-        return [np.array([theta[one.own] / one.std for one in self.expected])]
+        return [np.array([theta[j] / self.unknowns[j].std for j in self.expected])]
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion diverges."""
-        return np.concatenate([*self.misfits(theta), *self.off_expected(theta)])
+        return np.concatenate([*(motion.misfit for motion in self.motions(theta)), *self.off_expected(theta)])

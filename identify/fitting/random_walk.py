@@ -15,7 +15,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
-from identify.fitting.jacobian import linearise
+from identify.fitting.jacobian import JUMP, linearise
 from identify.fitting.misfit_errors import with_covariance
 from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
@@ -53,16 +53,13 @@ _AS_PREDICTED = 1.0
 
 _SINGULAR = 1e-12
 
-_JUMP = 0.5
-"""Change of a reading, in units of the noise, from which on a reversal has crossed its sample."""
-
 
 @dataclass(frozen=True, eq=False)
 class Place:
     """Where the misfit of the fit `found` is linearised: its unknowns (unknowns,), misfit (readings,) and Jacobian.
 
-    The `walk` that acts there has so many steps of the stiffness and of the damping, (2, steps), in units of one standard
-    deviation of a walk of variance 1 after one second.
+    The `walk` that acts there are the steps of the stiffness and then those of the damping, (2 steps,), in units of one
+    standard deviation of a walk of variance 1 after one second.
     """
 
     found: Fit
@@ -74,12 +71,22 @@ class Place:
     knots: "_Knots"
 
     @property
+    @np.errstate(over="ignore", invalid="ignore")  # a motion that diverges has no response
     def columns(self) -> Array:
         """The change of the misfit by each step of the walks of stiffness and damping, (readings, 2 steps).
 
         Simulated each time: of a long record they fill a tenth of a gigabyte.
         """
-        return np.column_stack([_responses(self, kind) for kind in range(2)])
+        problem, knots, omega, blocks = self.problem, self.knots, self.problem.frequency, []
+        for i, window in enumerate(problem.windows):
+            motion = problem.respond(self.theta, i, problem.substeps(self.theta, i, tangent=True))
+            ramps = [np.interp(window.clock, knots.times[i], one) for one in np.eye(len(knots.times[i]))]
+            by_step = [
+                changes_by(problem, self.theta, i, [ramp * force for ramp in ramps]) @ knots.values[i]
+                for force in (omega**2 * motion.displacement, omega * motion.velocity)
+            ]
+            blocks.append(np.column_stack(by_step))
+        return np.concatenate([*blocks, np.zeros((len(problem.expected), 2 * knots.steps))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +95,10 @@ class RandomWalk:
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
-    angular frequency of the motion. `left` is the chi-square that the likeliest walk leaves, of its `steps` (2, steps), and
-    `without` that without any walk. `misfit` is what the fit's own unknowns cannot follow of the misfit without any walk,
-    and `ahead` the misfit that is predicted with this one, (readings,) each, linear about `place`. `settled` says that a
-    simulation with the walk leaves as much as these predict.
+    angular frequency of the motion. `left` is the chi-square that the likeliest walk leaves, with its `draws` (2 steps,) in
+    those deviations, and `without` that without any walk. `misfit` is what the fit's own unknowns cannot follow of the
+    misfit without any walk, and `ahead` the misfit that is predicted with this one, (readings,) each, linear about `place`.
+    `settled` says that a simulation with the walk leaves as much as these predict.
     """
 
     evidence: float
@@ -99,7 +106,7 @@ class RandomWalk:
     damping: float
     left: float
     without: float
-    steps: Array = field(repr=False)
+    draws: Array = field(repr=False)
     misfit: Array = field(repr=False)
     ahead: Array = field(repr=False)
     place: Place = field(repr=False)
@@ -111,12 +118,16 @@ class RandomWalk:
         return self.left / max(self.place.found.degrees, 1)
 
     @property
+    def sizes(self) -> Array:
+        """The standard deviation of each step, (2 steps,), as the `walk` of a place is counted."""
+        return np.repeat([self.stiffness, self.damping], self.place.knots.steps)
+
+    @property
     def follows(self) -> Array:
         """What steps of one standard deviation change, less what the fit's own unknowns follow of it, (readings, steps)."""
         if not (self.stiffness or self.damping):
             return np.zeros((len(self.misfit), 0))
-        sizes = np.repeat([self.stiffness, self.damping], self.place.knots.steps)
-        return np.asarray(self.place.jacobian.free(self.place.columns) * sizes)
+        return np.asarray(self.place.jacobian.free(self.place.columns) * self.sizes)
 
     @cached_property
     def simulated(self) -> "RandomWalk":
@@ -129,7 +140,7 @@ class RandomWalk:
         best, left = self, self.without
         for _ in range(_ROUNDS):
             moved = _moved(best)
-            cost = np.inf if moved is None else _square(moved) + float(np.sum(_in_units(best) ** 2))
+            cost = np.inf if moved is None else _square(moved) + float(best.draws @ best.draws)
             if moved is None or not cost < left:
                 break
             as_predicted = abs(cost - best.left) < _AS_PREDICTED
@@ -144,7 +155,7 @@ class RandomWalk:
 def walk_beside(found: Fit) -> RandomWalk:
     """Estimate the random walk of spring and damper that explains the residual of a fit, which is taken for linear in it."""
     knots = _Knots.of(found.problem)
-    place = Place(found, found.problem, found.theta, *found.linearised, np.zeros((2, knots.steps)), knots)
+    place = Place(found, found.problem, found.theta, *found.linearised, np.zeros(2 * knots.steps), knots)
     return _likeliest(place, _square(place))
 
 
@@ -154,19 +165,13 @@ def _square(place: Place) -> float:
     return float(free @ free)
 
 
-def _in_units(walk: RandomWalk) -> Array:
-    """Return the steps of a walk (2, steps) in its standard deviations, 0 where it has none."""
-    sizes = np.array([[walk.stiffness], [walk.damping]])
-    return np.where(sizes > 0.0, walk.steps / np.where(sizes > 0.0, sizes, 1.0), 0.0)
-
-
 def _likeliest(place: Place, without: float) -> RandomWalk:
     """Weigh walks of every strength about a place and return the likeliest; `without` is chi-square without any walk."""
     is_spring = np.repeat([True, False], place.knots.steps)
     columns = place.columns
     free = place.jacobian.free(np.column_stack([place.residual, columns]))
     walk = free[:, 1:]
-    misfit = free[:, 0] - walk @ place.walk.ravel()
+    misfit = free[:, 0] - walk @ place.walk
     along, products = walk.T @ misfit, walk.T @ walk
     likelihood, explained = np.zeros((2, len(_STRENGTHS), len(_STRENGTHS)))
     for row, stiffness in enumerate(_STRENGTHS):
@@ -183,23 +188,23 @@ def _likeliest(place: Place, without: float) -> RandomWalk:
     mean = np.logaddexp.reduce(walks) - np.log(len(walks))
     sizes = np.where(is_spring, _STRENGTHS[i], _STRENGTHS[j])
     own = np.eye(len(sizes)) + products * np.outer(sizes, sizes)
-    steps = -sizes * np.linalg.solve(own, along * sizes)
+    draws = -np.linalg.solve(own, along * sizes)
     return RandomWalk(
         evidence=float(np.logaddexp(0.0, mean) - np.log(2.0)),
         stiffness=float(_STRENGTHS[i]),
         damping=float(_STRENGTHS[j]),
         left=unwalked - float(explained[i, j]),
         without=without,
-        steps=steps.reshape(2, -1),
+        draws=draws,
         misfit=misfit,
-        ahead=place.residual + columns @ (steps - place.walk.ravel()),
+        ahead=place.residual + columns @ (sizes * draws - place.walk),
         place=place,
     )
 
 
 def _moved(walk: RandomWalk) -> Place | None:
     """Simulate a fit with a walk, its own unknowns following as predicted, and linearise there; None where that diverges."""
-    place, found, steps = walk.place, walk.place.found, walk.steps
+    place, found, steps = walk.place, walk.place.found, walk.sizes * walk.draws
     normal, gradient = place.jacobian.normal(), place.jacobian.gradient(walk.ahead)
     own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
     change = np.linalg.lstsq(normal / np.outer(own, own), -gradient / own, rcond=_SINGULAR)[0] / own
@@ -207,7 +212,7 @@ def _moved(walk: RandomWalk) -> Place | None:
     theta = np.clip(place.theta + change, problem.low, problem.high)
     acting: list[Array] = []
     for i, window in enumerate(problem.windows):
-        softer, looser = (place.knots.path(i, window, own_steps) for own_steps in steps)
+        softer, looser = (place.knots.path(i, window, own_steps) for own_steps in np.split(steps, 2))
         force = np.zeros(len(window))
         for _ in range(_PICARD):
             motion = problem.respond(theta, i, extra=-force)
@@ -218,12 +223,7 @@ def _moved(walk: RandomWalk) -> Place | None:
         acting.append(-force)
     moved = Problem(found.model, found.windows, found.frequency, acting=tuple(acting))
     moved.steps = problem.steps.copy()
-    residual, jacobian = linearise(moved, theta)
-    return (
-        Place(found, moved, theta, residual, jacobian, steps, place.knots)
-        if np.isfinite(residual).all()
-        else None
-    )
+    return Place(found, moved, theta, *linearise(moved, theta), steps, place.knots)
 
 
 def with_walk_errors(stated: Fit, walk: RandomWalk) -> Fit:
@@ -235,8 +235,7 @@ def with_walk_errors(stated: Fit, walk: RandomWalk) -> Fit:
     if walk.evidence <= RIVALS_WITHIN:
         return stated
     inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
-    sizes = np.repeat([walk.stiffness, walk.damping], walk.place.knots.steps)
-    scores = [found.linearised[1].gradient(c) * inside for c in (walk.place.columns * sizes).T]
+    scores = [found.linearised[1].gradient(c) * inside for c in (walk.place.columns * walk.sizes).T]
     moved = found.covariance @ np.column_stack(scores)
     return with_covariance(stated, stated.covariance + moved @ moved.T)
 
@@ -279,12 +278,12 @@ class _Knots:
             most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
             count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
             times.append(np.linspace(window.clock[0], window.clock[-1], count))
-        each = [
-            (window.release, knot)
-            for window, own in zip(problem.windows, times, strict=True)
-            for knot in own.tolist()
-        ]
-        return cls(tuple(times), tuple(np.split(_steps(each), np.cumsum([len(own) for own in times[:-1]]))))
+        counts = [len(own) for own in times]
+        release = np.repeat([window.release for window in problem.windows], counts)
+        goes_on = release[1:] == release[:-1]
+        length = np.concatenate([[0.0], np.where(goes_on, np.diff(np.concatenate(times)), 0.0)])
+        values = np.tril(release[:, None] == release) * np.sqrt(np.maximum(length, 0.0))
+        return cls(tuple(times), tuple(np.split(values, np.cumsum(counts[:-1]))))
 
     @property
     def steps(self) -> int:
@@ -296,31 +295,8 @@ class _Knots:
         return np.interp(window.clock, self.times[i], self.values[i] @ steps)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a motion that diverges has no response
-def _responses(place: Place, kind: int) -> Array:
-    """Return the change of the misfit by each step of the walk of the stiffness (0) or damping (1), (readings, steps)."""
-    knots = place.knots
-    problem, blocks, omega = place.problem, [], place.problem.frequency
-    for i, window in enumerate(problem.windows):
-        motion = problem.respond(place.theta, i, problem.substeps(place.theta, i, tangent=True))
-        force = omega * motion.velocity if kind else omega**2 * motion.displacement
-        ramps = [np.interp(window.clock, knots.times[i], one) * force for one in np.eye(len(knots.times[i]))]
-        blocks.append(np.column_stack(changes_by(problem, place.theta, i, ramps)) @ knots.values[i])
-    return np.concatenate([*blocks, np.zeros((len(problem.expected), knots.steps))])
-
-
-def _steps(times: list[tuple[int, float]]) -> Array:
-    """Return a walk's values at knots, each a release and a time (s), by its steps, (knots, steps)."""
-    release = np.array([one for one, _ in times])
-    time = np.array([time for _, time in times])
-    goes_on = release[1:] == release[:-1]
-    length = np.concatenate([[0.0], np.where(goes_on, np.diff(time), 0.0)])
-    after = np.tril(release[:, None] == release)
-    return np.asarray(after * np.sqrt(np.maximum(length, 0.0)))
-
-
-def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> list[Array]:
-    """Return the change of window i's misfit by each of some weak forces per unit mass along its motion, (n,) each."""
+def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> Array:
+    """Return the change of window i's misfit by each of some weak forces per unit mass along its motion, (n, forces)."""
     substeps = problem.substeps(theta, i, tangent=True)
     base = problem.residual_of(i, problem.read(theta, i, problem.respond(theta, i, substeps)))
 
@@ -331,10 +307,7 @@ def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> l
     whole = change(np.sum(forces, axis=0), _PROBE)
     size = float(np.sqrt(np.mean(whole**2)))
     if not 0.0 < size < np.inf:  # the motion diverges
-        return [np.zeros_like(base) for _ in forces]
+        return np.zeros((len(base), len(forces)))
     step = _PROBE * _MOVED / size
-    found = []
-    for force in forces:
-        moved = change(force, step)
-        found.append(np.where(np.abs(moved) < _JUMP, moved, 0.0) / step)
-    return found
+    moved = np.column_stack([change(force, step) for force in forces])
+    return np.asarray(np.where(np.abs(moved) < JUMP, moved, 0.0) / step)

@@ -18,8 +18,9 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array
-from identify.free_decay import CHANNELS, FreeDecay
+from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.preprocessing.usable import floor_of
 
 _LONG_CYCLES = 60.0
 _DRIFTING_CYCLES = 12.0
@@ -159,7 +160,7 @@ def drifts(prepared: PreparedDecay) -> bool:
     design /= np.linalg.norm(design, axis=0)
     left = phase * relative
     left = (left - design @ np.linalg.lstsq(design, left, rcond=1e-10)[0]) * amplitude.max()
-    noise = _noise(prepared)
+    noise = floor_of(prepared.window.sigma, prepared.frequency)
     by_cycle = 2.0 * noise**2 / (2.0 * np.pi / prepared.frequency * prepared.motion.rate)
     strays = float(np.median(np.abs(left))) / _NORMAL
     return bool(strays**2 > by_cycle + (_SHARE_OF_NOISE * noise) ** 2)
@@ -181,9 +182,3 @@ def _phase_by_cycle(prepared: PreparedDecay) -> tuple[Array, Array]:
         (np.bincount(cycle[whole], beyond[whole]) / count)[inside],
         (np.bincount(cycle[whole], amplitude[whole]) / count)[inside],
     )
-
-
-def _noise(prepared: PreparedDecay) -> float:
-    """Return the noise of a reading as displacement: of the channel that knows it best."""
-    sigma, w = prepared.window.sigma, prepared.frequency
-    return min(sigma[channel] / w ** CHANNELS.index(channel) for channel in sigma)

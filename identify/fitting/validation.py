@@ -211,35 +211,21 @@ def _from_to(before: float, after: float) -> str:
     return f"it leaves {own}, the usual model {usual}"
 
 
-@dataclass(frozen=True)
-class LeftOut:
-    """The error on release `index` (from 0) of physics that was fitted to all the others.
-
-    `chi_square` is reduced, in units of the noise; `motion_percent` the misfit of the free run in % of the rms of the
-    displacement (or the first channel there is).
-    """
-
-    index: int
-    chi_square: float
-    motion_percent: float
-
-
-def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
-    """Fit to all releases but one, hold the physics, refit the nuisances of the one left out; for each in turn.
+def leave_one_out(found: Fit) -> tuple[Prediction, ...]:
+    """Fit to all releases but one and predict the one left out by their physics, for each in turn.
 
     A long release is left out with all of its segments. Raises NotIdentifiable with a single release.
     """
     groups = windows_by_release(found.windows).values()
     if len(groups) < 2:
         raise NotIdentifiable("Leaving one release out needs at least two.")
-    return tuple(_without(found, index, left) for index, left in enumerate(groups))
+    return tuple(_without(found, left) for left in groups)
 
 
-def _without(found: Fit, index: int, left: Sequence[int]) -> LeftOut:
+def _without(found: Fit, left: Sequence[int]) -> Prediction:
     kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
     others = fit(found.model, windows, found.of_windows(kept), found.frequency)
     left_windows = tuple(found.windows[i] for i in left)
     physics = {unknown.name: others.point[unknown.name] for unknown in others.unknowns if unknown.window < 0}
-    seen = predict_windows(found.model, physics, left_windows, found.of_windows(left), found.frequency)
-    return LeftOut(index, seen.chi_square, seen.motion_percent)
+    return predict_windows(found.model, physics, left_windows, found.of_windows(left), found.frequency)

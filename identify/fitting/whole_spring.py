@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.effects.force_effect import ForceEffect
 from identify.fitting.fit import Fit, fit_at
 from identify.fitting.levenberg_marquardt import minimise_fully
 
@@ -42,16 +41,15 @@ def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
     covariance = tied.covariance - np.outer(apart, apart) / variance
     name = found.unknowns[force].name
     own = {name: replace(tied.values[name], std=tied.values[found.unknowns[spring].name].std)}
-    known = replace(tied, converged=found.converged, outcome=found.outcome)
-    return replace(known, covariance=covariance, values=tied.values | own)
+    return replace(tied, converged=found.converged, covariance=covariance, values=tied.values | own)
 
 
 def _pair(stated: Fit) -> tuple[int, int] | None:
     """Find the places of the spring and of a force that may be all of it, itself uncertain; None without one."""
     for term in stated.model.forces:
-        part = term.effect.may_be_all_of if isinstance(term.effect, ForceEffect) else None
+        part = term.force.may_be_all_of
         spring = None if part is None else stated.model.linear_strength(part)
-        if spring is None or str(term.strength) not in stated.names:
+        if spring is None:
             continue
         own, whole = stated.values[str(term.strength)], stated.values[str(spring)]
         if own.std > _SURE * whole.value and abs(own.value - whole.value) < _AGREES * own.std:

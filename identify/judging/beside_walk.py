@@ -92,7 +92,7 @@ def _laws(problem: Problem, theta: Array) -> Iterator[Array]:
             along, factor = law(*place)
             series = legendre.legvander(np.clip(along, -1.0, 1.0), _ORDERS).T[1:]
             forces = far * problem.frequency**2 * factor * series
-            windows.append(np.column_stack(changes_by(problem, theta, i, list(forces))))
+            windows.append(changes_by(problem, theta, i, list(forces)))
         yield np.concatenate([*windows, off])
 
 

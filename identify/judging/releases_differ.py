@@ -69,7 +69,7 @@ def _with(baseline: Baseline, own: Fit) -> Baseline:
         replace(decay, floor_std=None, window=decay.window.with_(own_linear=window.own_linear))
         for decay, window in places
     )
-    return refit_at_floor(decays, own).decided
+    return refit_at_floor(decays, own)
 
 
 def shared_where_alike(found: Fit) -> Fit:
@@ -150,12 +150,12 @@ def release_values(found: Fit) -> tuple[ReleaseValue, ...]:
             continue
         at = unknown.deviates
         shared = found.unknowns[at]
-        light = found.windows[unknown.moves[0]].lightness
+        light = found.windows[unknown.window].lightness
         variance = found.covariance[i, i] + 2.0 * found.covariance[i, at] + found.covariance[at, at]
         own = float(found.theta[i])
         values.append(
             ReleaseValue(
-                releases.index(unknown.moves[0]),
+                releases.index(unknown.window),
                 shared.name,
                 Estimate(
                     light * max(float(found.theta[at]) + own, shared.low),

@@ -10,7 +10,7 @@ from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
 from identify.effects.effect import Kind
 from identify.fitting.model_error import errors_of
-from identify.fitting.validation import LeftOut
+from identify.fitting.prediction import Prediction
 from identify.judging.suspect import Suspect
 from identify.judging.verdict import Verdict
 from identify.model.model import Model
@@ -225,7 +225,7 @@ def diagnosis_document(
     names: tuple[str, ...],
     found: Diagnosis,
     expressions: tuple[str, ...] = (),
-    left_out: tuple[LeftOut, ...] | None = None,
+    left_out: tuple[Prediction, ...] | None = None,
 ) -> DiagnosisDocument:
     """Make the document of a diagnosis of some sessions.
 
@@ -251,7 +251,7 @@ def diagnosis_document(
         error_with_named=errors_of(replace(baseline, fit=found.final)),
         held_out=None
         if left_out is None
-        else [HeldOutDocument.of(one, session=names[one.index]) for one in left_out],
+        else [HeldOutDocument.of(one, session=name) for name, one in zip(names, left_out, strict=True)],
         hypotheses=_hypotheses(found),
         next_release=next_release_document(found.next_release),
         fitted=fitted,

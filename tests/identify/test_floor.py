@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from test_fit import fitted
 
-from identify.fitting.baseline import refine_floor
+from identify.fitting.baseline import refined_floor
 from identify.preprocessing.noise import Noise
 
 
 def with_known(found, **known):
     before = {c: known.get(c, Noise(1.0, np.inf, "nowhere")) for c in found.windows[0].channels}
-    return refine_floor(found, (before,))[0]
+    return refined_floor(found, 0, before, {})
 
 
 def test_the_band_above_the_motion_gives_the_doubles_noise_where_nothing_was_known():
@@ -53,6 +53,6 @@ def test_a_noise_less_well_known_leaves_chi_square_more_open():
     narrow = {c: Noise(s, s * 0.001, "rest") for c, s in found.windows[0].sigma.items()}
     # only the readings' number is left where the noise is known: sqrt(2 / degrees)
     least = np.sqrt(2.0 / found.degrees)
-    known = refine_floor(found, (narrow,))[0].chi_square_std
+    known = refined_floor(found, 0, narrow, {}).chi_square_std
     assert least <= known < 1.3 * least
-    assert refine_floor(found, (wide,))[0].chi_square_std > known
+    assert refined_floor(found, 0, wide, {}).chi_square_std > known

@@ -41,7 +41,7 @@ def test_physics_that_lacks_an_effect_does_not(both):
     decays, _ = both
     found = fit_baseline(decays, base_model()).fit
     left = leave_one_out(found)
-    assert [one.index for one in left] == [0, 1]
+    assert len(left) == 2
     assert min(one.chi_square for one in left) > 10
     assert min(one.motion_percent for one in left) > 0.5
     assert all(np.isfinite(one.motion_percent) for one in left)
@@ -54,7 +54,7 @@ def test_a_release_in_segments_is_left_out_as_a_whole():
     found = fit_baseline(segments_of((long, short)), base_model()).fit
     assert [window.release for window in found.windows] == [0, 0, 1]
     left = leave_one_out(found)
-    assert [one.index for one in left] == [0, 1]
+    assert len(left) == 2
     # Nothing is hidden: each release is predicted by the other, to the floor and the held physics' own error.
     assert [one.chi_square for one in left] == pytest.approx([1.0, 1.0], abs=0.5)
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.drifting_misfit import CycleSums, scatter_of_scores
-from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
+from identify.fitting.misfit_errors import CycleSums, misfit_density, scatter_of_scores, with_misfit_errors
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model

@@ -117,7 +117,7 @@ def baseline(*imperfections, seed=340, **more):
 
 def test_white_noise_gives_the_figures_that_it_gave_before_there_was_colour():
     found, _ = baseline()
-    assert not found.floors[0].colours
+    assert not found.fit.windows[0].colour
     window = found.fit.windows[0]
     plain = [
         ((window.readings[c] - found.fit.predicted[0][c])[window.used[c]] / window.sigma[c])
@@ -129,7 +129,7 @@ def test_white_noise_gives_the_figures_that_it_gave_before_there_was_colour():
 @pytest.mark.parametrize("kind", [ONE_OVER_F, RANDOM_WALK, HUM])
 def test_coloured_noise_is_whitened_and_the_floor_reached(kind):
     found, truth = baseline(kind)
-    assert found.floors[0].colours
+    assert found.fit.windows[0].colour
     assert found.at_floor
     whitened = np.concatenate([found.fit.in_noise(c)[200:] for c in found.fit.windows[0].channels])
     # neighbours of white noise are not correlated: 4000 readings leave 0.016
@@ -139,7 +139,7 @@ def test_coloured_noise_is_whitened_and_the_floor_reached(kind):
 
 
 def test_hum_in_both_channels_is_their_noise():
-    colours = baseline(HUM)[0].floors[0].colours
+    colours = baseline(HUM)[0].fit.windows[0].colour
     assert set(colours) == {"displacement", "acceleration"}
     for colour in colours.values():
         assert colour.lines[0].frequency == pytest.approx(50.0, abs=0.15)
@@ -182,5 +182,5 @@ def test_without_a_rest_hum_in_both_channels_is_told_from_a_force_by_the_motion_
     late = round(1.7 * sample.rate)
     prepared = ready(sample.rate, sample.displacement[late:], sample.acceleration[late:])
     found = fit_baseline((prepared,), base_model())
-    assert len(found.floors[0].colours) == expected
+    assert len(found.fit.windows[0].colour) == expected
     assert found.at_floor == (expected == 2)

@@ -44,7 +44,7 @@ def fitted(model: Model = MODEL, values: dict[str, Estimate] = VALUES) -> Fit:
         Unknown(ParameterId.parse(name), value.unit, -np.inf, np.inf, 0.0, -1, True)
         for name, value in values.items()
     )
-    return Fit(model, (), unknowns, nothing, nothing, values, 0.0, 1, (), True, "", (), 25.0)
+    return Fit(model, (), unknowns, nothing, nothing, values, 0.0, 1, (), True, (), 25.0)
 
 
 def changed(**entries):
