@@ -25,6 +25,7 @@ KINDS = {
         "quadratic_damping", "cubic_damping", "position_dependent_damping", "stribeck_friction",
         "position_dependent_friction", "hysteresis", "dahl_friction", "maxwell_element", "second_mass",
         "time_varying_stiffness", "settling_stiffness", "signed_quadratic_stiffness", "impact_with_loss", "harmonic_forcing",
+        "fading_friction", "fading_damping",
     ),
     "pair": (
         "cubic_stiffness+quadratic_damping", "hysteresis+quadratic_damping", "end_stop+cubic_damping",
@@ -35,7 +36,7 @@ KINDS = {
     "sensor": ("mains_hum", "offset_drift", "clipping", "dropouts") * 2,
     "outside": (
         "magnet", "notched_spring", "amplitude_switched_damping", "one_way_cable", "one_sided_friction", "adhesion",
-        "fading_friction", "wandering_stiffness",
+        "wandering_stiffness", "wandering_damping",
     ),
     "nothing": (None,) * 8,
 }  # fmt: skip

@@ -25,7 +25,7 @@ TRIPLES = (
     "time_varying_stiffness+quadratic_damping+cubic_stiffness",
     "bilinear_stiffness+stribeck_friction+position_dependent_damping",
 )
-NEAR_SHAPES = ("power_law_stiffness", "power_law_damping", "bouc_wen_hysteresis", "fading_friction")
+NEAR_SHAPES = ("power_law_stiffness", "power_law_damping", "bouc_wen_hysteresis", "lugre_friction")
 STRENGTH, OF_EACH_OF_THREE = 0.03, 0.02
 USUAL_HZ = 3.944
 """Frequency of the double's bench: at other frequencies all of it, sampling too, runs in another time."""

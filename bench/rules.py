@@ -53,7 +53,7 @@ RECORDS = (
     Record("mains_hum", 0.003, 8107),
     Record("ac_coupling", 0.01, 8108),
     Record("freeplay+cubic_damping", 0.02, 8109),
-    Record("fading_friction", 0.01, 8110),
+    Record("adhesion", 0.01, 8110),
     Record(None, 0.0, 8111, paired=False),
     Record("quadratic_damping", 0.03, 8112, paired=False),
     Record("cubic_stiffness", 0.01, 8113, paired=False),

@@ -113,7 +113,7 @@ def _draw_shape(
         shape |= {"at": size * random.uniform(0.3, 0.6)}
     elif name == "stribeck_friction":
         shape |= {"vs": random.uniform(0.04, 0.15)}
-    elif name == "fading_friction":
+    elif name in {"fading_friction", "fading_damping"}:
         shape |= {"tau": random.uniform(0.8, 3.0)}
     elif name in WANDERS:
         shape |= {"walk": float(random.integers(10000))}
@@ -150,6 +150,7 @@ def _magnitude(name: str, size: float, w: float) -> float:
         "second_mass": 1.0,
         "time_varying_stiffness": 1.0,
         "amplitude_switched_damping": w,
+        "fading_damping": w,
         "one_way_cable": w * w,
         "position_dependent_friction": w * w,
     }.get(name, force)

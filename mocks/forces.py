@@ -48,6 +48,7 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "power_law_stiffness": ("f", "p", "at"),
     "power_law_damping": ("f", "p", "at"),
     "bouc_wen_hysteresis": ("kh", "uy", "n", "z_start"),
+    "fading_damping": ("c", "tau"),
     "wandering_stiffness": ("s", "walk"),
     "wandering_damping": ("s", "walk"),
     "coulomb_friction": ("mu_0",),
@@ -67,7 +68,6 @@ OUTSIDE_THE_LIBRARY = (
     "notched_spring",
     "amplitude_switched_damping",
     "one_way_cable",
-    "fading_friction",
     "one_sided_friction",
     "adhesion",
     *WANDERS,
@@ -84,8 +84,8 @@ BEGINS_AT_Z = {"hysteresis": 2, "dahl_friction": 6, "lugre_friction": 6, "bouc_w
 (_K, _MU1, _C2, _C3, _C12, _K3, _K2, _K5, _K2A, _STOP, _IMPACT, _PLAY, _BILINEAR) = range(13)
 (_HYSTERESIS, _DAHL, _MAXWELL, _SECOND, _DRIFT, _SETTLING, _FORCING) = range(13, 20)
 (_MAGNET, _NOTCH, _SWITCHED, _CABLE, _LUGRE, _POWER_U, _POWER_V, _BOUC_WEN) = range(20, 28)
-(_WANDERING_K, _WANDERING_MU) = range(28, 30)
-(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(30, 36)
+(_FADING_MU, _WANDERING_K, _WANDERING_MU) = range(28, 31)
+(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(31, 37)
 _HYSTERESIS_CODE = _HYSTERESIS
 _MAXWELL_CODE = _MAXWELL
 _SECOND_CODE = _SECOND
@@ -280,6 +280,8 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
         return k * a * t * u
     if code == _SETTLING:
         return k * a * (1.0 - math.exp(-t / row[2])) * u
+    if code == _FADING_MU:
+        return a * math.exp(-t / row[2]) * v
     if code == _FORCING:
         return -a * math.sin(2.0 * math.pi * row[2] * t + row[3])
     if code == _MAGNET:

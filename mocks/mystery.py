@@ -18,7 +18,10 @@ STRENGTHS = (0.005, 0.03)
 FAULTY_SENSOR = 0.2
 #: What every bench has, and what came later: a seed hides today what it always hid.
 PLAIN = ("linear_stiffness", "viscous_damping", "coulomb_friction")
-LATER = ("signed_quadratic_stiffness", "impact_with_loss", "dahl_friction", "settling_stiffness")
+LATER = (
+    "signed_quadratic_stiffness", "impact_with_loss", "dahl_friction", "settling_stiffness",
+    "fading_damping", "fading_friction",
+)  # fmt: skip
 #: Not the lag, which is always there and corrected, nor the coupling capacitor, which at these strengths is nothing but
 #: a lag; nor the gain, which without certificates nobody can call wrong.
 FAULTS = ("offset_drift", "clipping", "mains_hum", "dropouts")

@@ -52,6 +52,8 @@ LIBRARY: tuple[Effect, ...] = (
     memory.SECOND_MASS,
     time.TIME_VARYING_STIFFNESS,
     time.SETTLING_STIFFNESS,
+    time.FADING_FRICTION,
+    time.FADING_DAMPING,
     time.HARMONIC_FORCING,
     sensors.CHANNEL_LAG,
     sensors.CHANNEL_GAIN,

@@ -1,6 +1,8 @@
 """Effects that depend on time itself."""
 
+from collections.abc import Mapping
 from math import exp, pi, sin
+from typing import Any
 
 from identify.effects.effect import Parameter, Scales, Starts, near_harmonic, shares_of
 from identify.effects.force_effect import ForceEffect
@@ -19,8 +21,17 @@ TIME_VARYING_STIFFNESS = ForceEffect(
 )
 
 
+_IN_A_TIME: Mapping[str, Any] = {
+    "of_time": True,
+    "starts": shares_of("duration", 0.1, 0.3, 0.8),
+    "reach": shares_of("duration", 0.005, 0.015, 0.04, 0.09, 0.17, 0.3, 0.6, 1.5),
+    "plausible": lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
+}
+"""Where a law that settles in the time `tau` is looked for; beyond that it is one that drifts, or none."""
+
+
 SETTLING_STIFFNESS = ForceEffect(
-    of_time=True,
+    **_IN_A_TIME,
     name="settling_stiffness",
     title="stiffness that settles (warming)",
     equation="k r (1 - exp(-t/tau)) u",
@@ -30,12 +41,41 @@ SETTLING_STIFFNESS = ForceEffect(
     ),
     shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
     force=lambda t, u, v, z, p: p[0] * p[2] * (1.0 - exp(-t / p[1])) * u,
-    starts=shares_of("duration", 0.1, 0.3, 0.8),
-    reach=shares_of("duration", 0.005, 0.015, 0.04, 0.09, 0.17, 0.3, 0.6, 1.5),
-    plausible=lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
     symptom="the frequency changes with time and then settles, at any amplitude",
     confirming_test="a second release soon after the first: the frequency begins where the first one ended",
     confusable_with=("time_varying_stiffness", "cubic_stiffness", "freeplay"),
+)
+
+
+FADING_FRICTION = ForceEffect(
+    **_IN_A_TIME,
+    name="fading_friction",
+    title="friction that fades (warming, running in)",
+    equation="dmu exp(-t/tau) sgn v",
+    parameters=(
+        Parameter("dmu", "m/s^2", "friction that is lost in the end, per unit mass", 0.0),
+        Parameter("tau", "s", "time in which it fades", 0.0),
+    ),
+    friction=lambda t, u, v, z, p: p[0] * exp(-t / p[1]),
+    symptom="the straight-line decay becomes less steep with time, at any amplitude",
+    confirming_test="a second release soon after the first: the friction begins where the first one ended",
+    confusable_with=("fading_damping", "position_dependent_friction"),
+)
+
+
+FADING_DAMPING = ForceEffect(
+    **_IN_A_TIME,
+    name="fading_damping",
+    title="damping that fades (warming)",
+    equation="c exp(-t/tau) v",
+    parameters=(
+        Parameter("c", "1/s", "damping that is lost in the end, per unit mass", 0.0),
+        Parameter("tau", "s", "time in which it fades", 0.0),
+    ),
+    force=lambda t, u, v, z, p: p[0] * exp(-t / p[1]) * v,
+    symptom="the decrement falls with time, at any amplitude",
+    confirming_test="a second release soon after the first: the damping begins where the first one ended",
+    confusable_with=("fading_friction", "quadratic_damping"),
 )
 
 

@@ -102,9 +102,17 @@ def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
 
 @pytest.mark.slow
 def test_no_law_is_named_that_follows_one_that_the_library_does_not_hold():
-    found = diagnose((release("fading_friction", 0.003, 300)[0],))
+    found = diagnose((release("amplitude_switched_damping", 0.003, 300)[0],))
     assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.suspects[0].claimed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "seed"), [("fading_friction", 300), ("fading_damping", 301)])
+def test_a_loss_that_fades_with_time_is_no_walk_and_does_not_depend_on_the_amplitude(name, seed):
+    found = diagnose((release(name, 0.003, seed)[0],))
+    assert found.named == (name,)
+    assert found.walk is None
 
 
 @pytest.mark.slow

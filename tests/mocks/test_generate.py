@@ -38,6 +38,8 @@ LIBRARY = [
     "second_mass",
     "time_varying_stiffness",
     "settling_stiffness",
+    "fading_damping",
+    "fading_friction",
     "harmonic_forcing",
 ]
 
