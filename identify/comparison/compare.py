@@ -203,9 +203,9 @@ def _checked_kinematics(
     `floor_error` is the relative standard error of the noise floor.
     """
     aligned, motion = prepared.alignment, prepared.motion
-    if aligned is None or not window.paired:
+    if aligned is None:
         return None
-    low = "displacement" if "displacement" in window.readings else "velocity"
+    low = window.channels[0]
     noise = window.sigma["acceleration"] / abs(aligned.gain.value)
     read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
     left = window.readings[low] - read[0 if low == "displacement" else 1]

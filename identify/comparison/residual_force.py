@@ -64,7 +64,7 @@ def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patt
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,
         "velocity": v - lag * a,
-        "acceleration": a * (shooting.gain if window.paired else 1.0),
+        "acceleration": a * shooting.gain,
     }
     return rows_of(window, slice(segment.start, segment.stop), change)
 
