@@ -22,12 +22,11 @@ _COSINE, _SINE = frozen(np.cos(_ANGLE)), frozen(np.sin(_ANGLE))
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """Equivalent viscous damping `damping` (1/s) and change of w^2 `stiffening` (1/s^2) at each `amplitude`, shape (n,).
+    """Equivalent viscous damping `damping` (1/s) and change of w^2 `stiffening` (1/s^2) at each amplitude, shape (n,).
 
     `mean` (m/s^2) is that of the force over a cycle. `settled` is False where the internal states did not become periodic.
     """
 
-    amplitude: Array
     damping: Array
     stiffening: Array
     mean: Array
@@ -63,7 +62,7 @@ def average(
         mean[i] = np.mean(force)
         if second_order and effect.force is not None and effect.rates is None:
             stiffening[i] += _second_order(effect, p, frequency, float(amplitude), time)
-    return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), frozen(mean), settled)
+    return Signature(frozen(damping), frozen(stiffening), frozen(mean), settled)
 
 
 def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array]:
