@@ -4,7 +4,6 @@ A clock whose rate is off by a share e stretches every time by it, so a value wh
 p is off by p e. All values of one record err together.
 """
 
-from collections.abc import Iterable
 from dataclasses import replace
 from math import hypot
 
@@ -31,10 +30,9 @@ def clock_limits(value: Estimate, rate: float, rate_std: float | None) -> bool:
     return bool(rate_std) and 2.0 * _of_clock(value, rate, rate_std or 0.0) ** 2 > value.std**2
 
 
-def clock_sentence(values: Iterable[Estimate], rate: float, rate_std: float | None) -> str:
-    """Warn where the clock limits the first of these values; "" where it does not."""
-    first = next(iter(values), None)
-    if first is None or not rate_std or not clock_limits(first, rate, rate_std):
+def clock_sentence(stiffness: Estimate, rate: float, rate_std: float | None) -> str:
+    """Warn where the clock limits a stiffness; "" where it does not."""
+    if not rate_std or not clock_limits(stiffness, rate, rate_std):
         return ""
     known = float(f"{1e6 * rate_std / rate:.2g}")
     return (

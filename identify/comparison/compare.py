@@ -58,7 +58,7 @@ class Comparison(Summarised):
 
     `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
     force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.
-    `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over
+    `motion_error` is the rms misfit of the free run over the rms of the first channel, in %, over
     `horizon_cycles`. `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
     `chi_square_std` of an adequate model's; `at_floor` says whether it is one. `floor` is the noise of each channel and
     its source.
@@ -69,7 +69,6 @@ class Comparison(Summarised):
     force_error: float
     force_floor: float
     motion_error: float
-    motion_channel: str
     horizon_cycles: float
     chi_square: float
     chi_square_std: float
@@ -106,19 +105,18 @@ def compare(
     model: Model | None = None,
     *,
     known: dict[str, float] | None = None,
-    mass: float | None = None,
 ) -> Comparison:
     """Fit a model (stiffness, Coulomb and viscous friction unless given) to one release, and compare the two.
 
-    `known` are values to begin the fit from, by unknown's name; with a `mass` (kg, or kg m^2 for angles) forces are
-    given in N. Raises NotIdentifiable when the release holds too little to fit anything.
+    `known` are values to begin the fit from, by unknown's name; forces are given in N where the release states its
+    mass. Raises NotIdentifiable when the release holds too little to fit anything.
     """
     prepared = prepare(decay) if isinstance(decay, FreeDecay) else decay
-    return compare_fitted(fit_baseline((prepared,), model or base_model(), known), mass=mass)
+    return compare_fitted(fit_baseline((prepared,), model or base_model(), known))
 
 
-def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparison:
-    """Compare a model that was fitted to one release with the measurement; `mass` as in `compare`."""
+def compare_fitted(baseline: Baseline) -> Comparison:
+    """Compare a model that was fitted to one release with the measurement."""
     prepared, fit, floor = baseline.decays[0], baseline.fit, baseline.floors[0]
     window = fit.windows[0]
     doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
@@ -137,14 +135,13 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
     tone = find_residual_tone(shooting)
-    text = DiscrepancyText(window.unit, mass)
+    text = DiscrepancyText(window.unit, prepared.mass)
     places = find_discrepancies(plane, cycles, tone, text, (factors[0], factors[1]))
-    force_error, force_floor = _force_error(*seen)
+    measured, residual = force_misfit(*seen)
     return Comparison(
-        force_error=force_error,
-        force_floor=force_floor,
+        force_error=force_mse_percent(seen[0], measured, residual),
+        force_floor=force_floor_percent(seen[0], measured),
         motion_error=motion_percent(fit),
-        motion_channel=window.channels[0],
         horizon_cycles=len(window) / window.rate * fit.frequency / (2.0 * np.pi),
         chi_square=baseline.reduced(fit),
         chi_square_std=baseline.spread,
@@ -158,7 +155,7 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
         cause=_cause(baseline, faults, kinematics, tone),
         unit=window.unit,
-        mass=mass,
+        mass=prepared.mass,
     )
 
 
@@ -188,12 +185,6 @@ def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fi
     return replace(prepared, motion=motion, alignment=aligned), seen
 
 
-def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float]:
-    """Eq. (18) and its floor in %."""
-    measured, residual = force_misfit(prepared, fit)
-    return force_mse_percent(prepared, measured, residual), force_floor_percent(prepared, measured)
-
-
 def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
     window = fit.windows[0]
     misfit = []
@@ -212,9 +203,9 @@ def _checked_kinematics(
     `floor_error` is the relative standard error of the noise floor.
     """
     aligned, motion = prepared.alignment, prepared.motion
-    if aligned is None or not window.paired:
+    if aligned is None:
         return None
-    low = "displacement" if "displacement" in window.readings else "velocity"
+    low = window.channels[0]
     noise = window.sigma["acceleration"] / abs(aligned.gain.value)
     read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
     left = window.readings[low] - read[0 if low == "displacement" else 1]

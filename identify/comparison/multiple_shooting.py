@@ -223,15 +223,9 @@ def _readings(
     run: Response, window: FitWindow, lag: float, gain: float, values: dict[str, float]
 ) -> dict[str, Array]:
     """Simulate the sensors' readings of a run without faults: lag, gain and offsets applied."""
-    seen: dict[str, Array] = {}
     u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, window.rate)
-    for channel in window.channels:
-        if channel == "acceleration":
-            seen[channel] = (gain if window.paired else 1.0) * run.acceleration
-        else:
-            seen[channel] = u if channel == "displacement" else v
-        seen[channel] = seen[channel] + values.get(f"{channel}_offset", 0.0)
-    return seen
+    seen = {"displacement": u, "velocity": v, "acceleration": gain * run.acceleration}
+    return {c: seen[c] + values.get(f"{c}_offset", 0.0) for c in window.channels}
 
 
 def delayed(u: Array, v: Array, a: Array, lag: float, rate: float) -> tuple[Array, Array]:

@@ -52,12 +52,13 @@ def compare_phase_plane(shooting: MultipleShooting, fewest: int = FEWEST) -> Pha
     across = _odd(len(shooting.displacement), fewest)
     along = across - 1
     edges_u, edges_v, code, patterns = _bins(shooting, across)
-    found = estimate_extra_force(shooting, patterns)
-    known = found.std < _KNOWN * np.median(found.std)
+    size, covariance, chi_square_after = estimate_extra_force(shooting, patterns)
+    errors = np.sqrt(np.diag(covariance))
+    known = errors < _KNOWN * np.median(errors)
     bins = np.column_stack([code // across, code % across])[known]
     force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)
-    force[bins[:, 0], bins[:, 1]] = found.size[known]
-    std[bins[:, 0], bins[:, 1]] = found.std[known]
+    force[bins[:, 0], bins[:, 1]] = size[known]
+    std[bins[:, 0], bins[:, 1]] = errors[known]
     bins.setflags(write=False)
     return PhasePlane(
         frozen(edges_u),
@@ -65,8 +66,8 @@ def compare_phase_plane(shooting: MultipleShooting, fewest: int = FEWEST) -> Pha
         frozen(force),
         frozen(std),
         bins,
-        frozen(found.covariance[np.ix_(known, known)]),
-        found.chi_square_after,
+        frozen(covariance[np.ix_(known, known)]),
+        chi_square_after,
     )
 
 

@@ -1,7 +1,5 @@
 """The extra force: the size of a force of given pattern that would explain the residual of the tracked model."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from identify.arrays import Array
@@ -9,29 +7,13 @@ from identify.comparison.multiple_shooting import MultipleShooting, Segment, row
 from identify.compilation import compiled
 
 
-@dataclass(frozen=True, eq=False)
-class ResidualForce:
-    """Sizes of force patterns (patterns,), m/s^2 on the left of u'' + ... = 0, and their covariance.
-
-    `chi_square_after` is the reduced chi-square that they leave within the cycles.
-    """
-
-    size: Array
-    covariance: Array
-    chi_square_after: float
-
-    @property
-    def std(self) -> Array:
-        """Standard errors, shape (patterns,)."""
-        return np.sqrt(np.diag(self.covariance))
-
-
-def estimate_extra_force(shooting: MultipleShooting, patterns: Array) -> ResidualForce:
+def estimate_extra_force(shooting: MultipleShooting, patterns: Array) -> tuple[Array, Array, float]:
     """Fit the residual of the tracked model by its response to patterns (n, patterns) of force (least squares).
 
-    The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which
-    kinematics alone determines. A pattern that the readings do not feel has a standard error as large as the
-    springs' force.
+    Returns the sizes of the patterns (patterns,), m/s^2 on the left of u'' + ... = 0, their covariance, and the reduced
+    chi-square that they leave within the cycles. The state at the start of every stretch is free, and so are lag, gain
+    and offset of the acceleration, which kinematics alone determines. A pattern that the readings do not feel has a
+    standard error as large as the springs' force.
     """
     columns = np.hstack([_respond_to(shooting, patterns), nuisances(shooting)])
     both = shooting.without_states(np.column_stack([columns, shooting.misfit]))
@@ -47,7 +29,7 @@ def estimate_extra_force(shooting: MultipleShooting, patterns: Array) -> Residua
     size = inverse @ gradient
     left = float(misfit @ misfit - gradient @ size)
     degrees = len(misfit) - 2 * len(shooting.segments) - columns.shape[1]
-    return ResidualForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
+    return size[:count], inverse[:count, :count], left / max(degrees, 1)
 
 
 def _respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
@@ -82,7 +64,7 @@ def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patt
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,
         "velocity": v - lag * a,
-        "acceleration": a * (shooting.gain if window.paired else 1.0),
+        "acceleration": a * shooting.gain,
     }
     return rows_of(window, slice(segment.start, segment.stop), change)
 

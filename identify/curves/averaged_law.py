@@ -10,7 +10,7 @@ from identify.curves.decay_curve import DecayCurve
 from identify.effects.effect import Scales
 from identify.effects.force_effect import ForceEffect
 from identify.fitting.initial_values import starts_between
-from identify.model.equivalent_linearisation import Signature, average, mean_force
+from identify.model.equivalent_linearisation import Signature, average
 from identify.model.model import Term
 
 _AMPLITUDES = 14
@@ -121,7 +121,8 @@ def law_of(
     signatures = tuple(
         average(effect, values, frequency, grid, time=float(t), second_order=False) for t in times
     )
-    centre = -mean_force(effect, values, frequency, grid) / frequency**2
+    moves = effect.force is not None and effect.rates is None  # the centre
+    centre = -signatures[0].mean / frequency**2 if moves else np.zeros(len(grid))
     return AveragedLaw(term, dict(inner), grid, times, signatures, centre, frequency)
 
 

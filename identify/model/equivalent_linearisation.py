@@ -13,7 +13,7 @@ import numpy as np
 from identify.arrays import Array, frozen
 from identify.effects.compiled import STATES
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect, LinearPart
+from identify.effects.force_effect import ForceEffect
 
 _POINTS = 512
 _ANGLE = frozen(2.0 * np.pi * (np.arange(_POINTS + 1) + 0.5) / _POINTS)
@@ -22,14 +22,14 @@ _COSINE, _SINE = frozen(np.cos(_ANGLE)), frozen(np.sin(_ANGLE))
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """Equivalent viscous damping `damping` (1/s) and change of w^2 `stiffening` (1/s^2) at each `amplitude`, shape (n,).
+    """Equivalent viscous damping `damping` (1/s) and change of w^2 `stiffening` (1/s^2) at each amplitude, shape (n,).
 
-    `settled` is False where the internal states did not become periodic.
+    `mean` (m/s^2) is that of the force over a cycle. `settled` is False where the internal states did not become periodic.
     """
 
-    amplitude: Array
     damping: Array
     stiffening: Array
+    mean: Array
     settled: bool
 
 
@@ -52,30 +52,17 @@ def average(
     if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
     p = effect.table(parameters, parameters)
-    if effect.linear_part is not None:
-        return _linear(effect.linear_part, p[0], frequency, amplitudes)
-    damping, stiffening = np.zeros(len(amplitudes)), np.zeros(len(amplitudes))
+    damping, stiffening, mean = np.zeros((3, len(amplitudes)))
     settled = True
     for i, amplitude in enumerate(amplitudes):
         force, u, v, calm = _around(effect, p, frequency, float(amplitude), time)
         settled &= calm
         damping[i] = np.mean(force * v) / np.mean(v * v)
         stiffening[i] = np.mean(force * u) / np.mean(u * u)
+        mean[i] = np.mean(force)
         if second_order and effect.force is not None and effect.rates is None:
             stiffening[i] += _second_order(effect, p, frequency, float(amplitude), time)
-    return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), settled)
-
-
-def _linear(part: LinearPart, strength: float, frequency: float, amplitudes: Array) -> Signature:
-    """The forces that the simulator has built in, in closed form."""
-    none, all_ = np.zeros(len(amplitudes)), np.full(len(amplitudes), strength)
-    if part is LinearPart.STIFFNESS:
-        return Signature(frozen(amplitudes), frozen(none), frozen(all_), True)
-    if part is LinearPart.DAMPING:
-        return Signature(frozen(amplitudes), frozen(all_), frozen(none), True)
-    return Signature(
-        frozen(amplitudes), frozen(4.0 * strength / (np.pi * frequency * amplitudes)), frozen(none), True
-    )
+    return Signature(frozen(damping), frozen(stiffening), frozen(mean), settled)
 
 
 def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array]:
@@ -137,15 +124,3 @@ def force_over_cycle(
     """
     p = effect.table(parameters, parameters)
     return _around(effect, p, frequency, amplitude, time)[0]
-
-
-def mean_force(
-    effect: ForceEffect, parameters: dict[str, float], frequency: float, amplitudes: Array
-) -> Array:
-    """Return the mean of a force over a cycle, m/s^2, at each amplitude (n,); zeros for one with memory."""
-    means = np.zeros(len(amplitudes))
-    if effect.force is None or effect.rates is not None:
-        return means
-    for i, amplitude in enumerate(amplitudes):
-        means[i] = np.mean(force_over_cycle(effect, parameters, frequency, float(amplitude)))
-    return means

@@ -116,9 +116,9 @@ class Model:
         return Model(tuple(term for term in self.terms if term.effect.name != name))
 
 
-def base_model(*, dry_friction: bool = True) -> Model:
-    """Return stiffness and viscous damping, with or without Coulomb friction."""
-    return Model(tuple(Term(effect) for effect in BASE if dry_friction or effect.friction is None))
+def base_model() -> Model:
+    """Return stiffness, Coulomb friction and viscous damping."""
+    return Model()
 
 
 def model_of_orders(damping: int, stiffness: Iterable[int] = (1,)) -> Model:

@@ -216,15 +216,6 @@ def _read_before(readings, interval, lag, u, v, a):  # type: ignore[no-untyped-d
     return due
 
 
-@compiled(**_INLINE)
-def _run_away(readings, due, after):  # type: ignore[no-untyped-def]
-    """Make the readings of a motion that left all bounds infinite, from `due` on, those of acceleration from `after` on."""
-    for j in range(due, readings.shape[1]):
-        readings[0, j], readings[1, j] = np.inf, np.inf
-    for j in range(after, readings.shape[1]):
-        readings[2, j] = np.inf
-
-
 @compiled(**_COMPILE)
 def _run(  # type: ignore[no-untyped-def]
     addresses, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external, readings, work,
@@ -280,7 +271,8 @@ def _run(  # type: ignore[no-untyped-def]
                 if remaining <= 1e-9 * h:
                     break
             if not (abs(u) < 1e12):
-                _run_away(readings, due, i + 1)
+                readings[:2, due:] = np.inf
+                readings[2, i + 1 :] = np.inf
                 return
     for i in range(due, n):  # an early channel ends after the run
         ahead = (i - n) * interval - lag

@@ -114,14 +114,7 @@ class FitWindow:
 
     def compared(self, channel: str, misfit: Array) -> Array:
         """Return a misfit (n,) of one channel, SI, in units of its noise, whitened, at the used readings alone."""
-        if channel in self.colour:
-            return np.asarray(self.in_noise(channel, misfit)[self.used[channel]])
-        return np.asarray(misfit[self._place[channel]] / self.sigma[channel])
-
-    @cached_property
-    def _place(self) -> dict[str, slice | Mask]:
-        """Where the used readings of each channel are: a slice where nothing is missing between the first and the last."""
-        return {channel: _slice_of(mask) for channel, mask in self.used.items()}
+        return np.asarray(self.in_noise(channel, misfit)[self.used[channel]])
 
     def with_(self, **changes: object) -> Self:
         """Return a copy with some fields replaced."""
@@ -161,11 +154,3 @@ class FitWindow:
     @cached_property
     def _thinned(self) -> dict[int, Self]:
         return {}
-
-
-def _slice_of(mask: Mask) -> slice | Mask:
-    """Make an index of the marked samples: a slice where they lie side by side, which copies nothing."""
-    at = np.flatnonzero(mask)
-    if len(at) and at[-1] - at[0] + 1 == len(at):
-        return slice(int(at[0]), int(at[-1]) + 1)
-    return mask

@@ -33,18 +33,19 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
     start, step = 2, converter_step(readings)
-    usual: dict[int, float] = {}
+    by_length: dict[int, tuple[Array, float]] = {}
     for first, stop in runs_of(stale(readings)):
         if first < start or stop + 2 > n or stop - first > _LONGEST:
             continue
         length = stop - first
-        if length not in usual:
-            usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
+        if length not in by_length:
+            off = _off_cubic(readings, length)
+            by_length[length] = off, float(np.quantile(off, _USUAL))
+        off, usual = by_length[length]
         far = _FAR * max(sigma, 0.5 * step) * _amplified(length)
-        limit = far if usual[length] < far else _UNUSUAL * usual[length]
-        off = _off_cubic(readings[first - 2 : stop + 2], length)[0]
+        limit = far if usual < far else _UNUSUAL * usual
         sides = _off_line(readings, first, length), _off_line(readings[::-1], n - stop, length)
-        if min(off, *sides) > limit:
+        if min(off[first - 2], *sides) > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma)
 

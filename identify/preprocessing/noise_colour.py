@@ -116,18 +116,18 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
     values = values[np.isfinite(values)]
     if len(values) < SHORTEST or len(steps_between(values)) + 1 < _FEWEST_LEVELS:
         return None
-    likelihood = _likelihood(values)
     lines, left = _without_lines(values, (), rate)
-    white = _white(left) - _penalty(values) * len(lines)
-    row, column = best(likelihood)
+    likelihood, white = _likelihood(left)
+    if_white = RestColour(rate, likelihood, left, lines)
+    row, column = best(_likelihood(values)[0])
     if column == 0:
-        return RestColour(rate, _likelihood(left), left, lines)
+        return if_white
     components = SHAPES[row].of_strength(float(STRENGTHS[column]), rate)
     others, rest_of_it = _without_lines(values, components, rate)
-    again = _likelihood(rest_of_it)
-    coloured = _white(rest_of_it) + float(again.max()) - _penalty(values) * len(others)
-    if coloured - white < COLOURED:
-        return RestColour(rate, _likelihood(left), left, lines)
+    again, white_again = _likelihood(rest_of_it)
+    gain = white_again + float(again.max()) - white - _penalty(values) * (len(others) - len(lines))
+    if gain < COLOURED:
+        return if_white
     settled = best(again)  # the first colour may have taken the lines for a part of itself
     before = white_part(rest_of_it, row, float(STRENGTHS[column]))
     after = white_part(rest_of_it, settled[0], float(STRENGTHS[settled[1]]))
@@ -177,8 +177,8 @@ def _eigen(n: int, row: int) -> tuple[Array, Array]:
     return frozen(ground @ vectors), frozen(np.maximum(sizes, 0.0))
 
 
-def _likelihood(values: Array) -> Array:
-    """Return the restricted log-likelihood of every shape and strength, less that of white noise."""
+def _likelihood(values: Array) -> tuple[Array, float]:
+    """Return the restricted log-likelihood of every shape and strength less that of white noise, and that one."""
     table = []
     for row in range(len(SHAPES)):
         basis, sizes = _eigen(len(values), row)
@@ -186,12 +186,7 @@ def _likelihood(values: Array) -> Array:
         spread = 1.0 + STRENGTHS[:, None] * sizes
         variance = np.maximum(np.mean(power / spread, axis=1), 1e-300)
         table.append(-0.5 * len(power) * np.log(variance) - 0.5 * np.log(spread).sum(axis=1))
-    return np.asarray(np.array(table) - table[0][0])
-
-
-def _white(values: Array) -> float:
-    left = without_line(values)
-    return float(-0.5 * (len(left) - 2) * np.log(max(float(left @ left) / (len(left) - 2), 1e-300)))
+    return np.asarray(np.array(table) - table[0][0]), float(table[0][0])
 
 
 def _penalty(values: Array) -> float:

@@ -104,9 +104,10 @@ def _search(decay: FreeDecay) -> list[tuple[float, Release]]:
             too_coarse(lead.values, rate, lead.derivative) or _no_ringing(lead, frequency, period)
         )
     bursts = _with_beats_whole(rate, channels, period, bursts)
+    earliest = (0, *(burst.stop for burst in bursts))
     return [
-        (burst.amplitude, _release(rate, channels, period, burst, i, bursts))
-        for i, burst in enumerate(bursts)
+        (burst.amplitude, _release(rate, channels, period, burst, free))
+        for burst, free in zip(bursts, earliest, strict=False)
     ]
 
 
@@ -216,10 +217,7 @@ def _coarse(channel: _Channel, step: int, period: float) -> Array:
     return running_median(means, width)
 
 
-def _release(
-    rate: float, channels: list[_Channel], period: float, burst: _Burst, number: int, bursts: list[_Burst]
-) -> Release:
-    earliest = bursts[number - 1].stop if number else 0
+def _release(rate: float, channels: list[_Channel], period: float, burst: _Burst, earliest: int) -> Release:
     onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
     n = len(channels[0].values)

@@ -219,7 +219,7 @@ def _result(
         scalogram_time=frozen(columns + time[0]),
         stiffness_per_mass=per_mass[1],
         stiffness_reason=reasons[1],
-        clock=clock_sentence(stiffness.values(), decay.rate, decay.rate_std),
+        clock=clock_sentence(next(iter(stiffness.values())), decay.rate, decay.rate_std),
     )
 
 

@@ -244,7 +244,7 @@ def compare(name: str, prepared: PreparedDecay, known: KnownModel) -> Compared:
     """
     start = known.start((prepared,))
     baseline = fit_baseline((prepared,), known.model, start)
-    seen = compare_baseline(baseline, mass=prepared.mass)
+    seen = compare_baseline(baseline)
     return Compared(name, baseline, seen, _in_pieces(baseline, start or {}), known.words, known.remark)
 
 

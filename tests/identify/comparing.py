@@ -17,11 +17,11 @@ MASS = 21.36
 def fitted(effect: str | None, strength: float, seed: int) -> tuple[Baseline, dict[str, Any]]:
     """Return the fit of stiffness and friction with its floor, and the truth."""
     sample = draw(effect, strength, seed)
-    prepared = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
+    prepared = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration, mass=MASS))
     return fit_baseline((prepared,), base_model()), sample.truth
 
 
 @cache
 def compared(effect: str | None, strength: float, seed: int) -> Comparison:
     """Return the comparison of the same, with the testbed's mass."""
-    return compare_fitted(fitted(effect, strength, seed)[0], mass=MASS)
+    return compare_fitted(fitted(effect, strength, seed)[0])

@@ -29,7 +29,7 @@ def viscous(seconds: float, rate: float = 256.0, seed: int = 0, wander: float = 
 
 
 def stiffness_of(decay: FreeDecay):
-    fit = fit_baseline(segments(prepare(decay)), base_model(dry_friction=False)).fit
+    fit = fit_baseline(segments(prepare(decay)), base_model().minus("coulomb_friction")).fit
     return fit.values["linear_stiffness.k"]
 
 
@@ -73,7 +73,7 @@ def test_a_fast_record_is_averaged_and_its_noise_falls_with_the_root():
     for channel, sigma in zip(("displacement", "acceleration"), NOISE, strict=True):
         # the sixth differences of 40 000 readings know their noise to a per cent
         assert prepared.noise[channel].std == pytest.approx(sigma / np.sqrt(prepared.block), rel=0.03)
-    fit = fit_baseline((prepared,), base_model(dry_friction=False)).fit
+    fit = fit_baseline((prepared,), base_model().minus("coulomb_friction")).fit
     stiffness, damping = fit.values["linear_stiffness.k"], fit.values["viscous_damping.mu_1"]
     assert abs(stiffness.value - STIFFNESS) < 4.0 * stiffness.std
     assert abs(damping.value - 2 * DECAY) < 4.0 * damping.std

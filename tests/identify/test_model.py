@@ -6,7 +6,7 @@ from identify.model.model import Term, base_model
 
 def test_the_base_model_is_stiffness_dry_and_viscous_friction():
     assert base_model().names == ("linear_stiffness", "coulomb_friction", "viscous_damping")
-    assert base_model(dry_friction=False).names == ("linear_stiffness", "viscous_damping")
+    assert base_model().minus("coulomb_friction").names == ("linear_stiffness", "viscous_damping")
 
 
 def test_adding_and_removing_an_effect_leaves_the_model_it_began_from_alone():
