@@ -94,13 +94,13 @@ def nameless_shapes(curves: Sequence[DecayCurve]) -> tuple[Array, Array]:
 
 def _overlap(mode: IsolatedMode) -> Array:
     """Return the correlation of the errors of all windows, which share readings with their neighbours, (n, n)."""
-    waves = [operator[0] + 1j * operator[1] for operator in mode.operators]
+    waves = [operator[0] + 1j * operator[1] for operator in mode.windows.operators]
     waves = [wave / np.sqrt(np.sum(np.abs(wave) ** 2)) for wave in waves]
     count = len(waves)
     shared = np.eye(count, dtype=complex)
     for i in range(count):
         for j in range(i + 1, min(i + 1 + _OVERLAPS, count)):
-            apart = int(mode.first[j] - mode.first[i])
+            apart = int(mode.windows.first[j] - mode.windows.first[i])
             common = min(len(waves[i]) - apart, len(waves[j]))
             if common <= 0:
                 break

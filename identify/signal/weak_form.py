@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from identify.algebra import banded_cholesky
 from identify.arrays import Array, Mask
-from identify.signal.morlet import Complex
+from identify.signal.harmonic_windows import Complex
 
 WINDOW_CYCLES = 2.0
 ROWS_PER_CYCLE = 4

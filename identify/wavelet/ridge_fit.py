@@ -18,7 +18,7 @@ from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.errors import NotIdentifiable
 from identify.model.simulate import Response, make_system, simulate
 from identify.signal.averaging import backbone_factors, envelope_factors
-from identify.signal.morlet import Ridge, prepare_ridge, transform
+from identify.signal.harmonic_windows import HarmonicWindows
 from identify.wavelet.envelope import (
     EnvelopeFit,
     PhaseFit,
@@ -30,6 +30,7 @@ from identify.wavelet.envelope import (
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
+_REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 _MOST_POINTS = 400
 _SETTLED = 0.05
 _ROUNDS = 30
@@ -64,7 +65,7 @@ class Observed:
     derivatives: int
     angular_frequency: float
     noise: float
-    ridge: Ridge
+    ridge: HarmonicWindows
     points: NDArray[np.int_]
     weight: Array
     variance: Array
@@ -77,7 +78,8 @@ class Observed:
     @property
     def independent(self) -> float:
         """Number of independent points: the window's noise is correlated over 2 sqrt(pi) widths."""
-        return float(len(self.samples) / (2 * np.sqrt(np.pi) * self.ridge.width) + 1)
+        width = WIDTH_CYCLES * 2 * np.pi * self.rate / self.angular_frequency
+        return float(len(self.samples) / (2 * np.sqrt(np.pi) * width) + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +110,20 @@ def observe(
     cycle = 2 * np.pi * rate / angular_frequency
     every = max(1, int(cycle / POINTS_PER_CYCLE), -(-len(samples) // _MOST_POINTS))
     points = np.arange(0, len(samples), every)
-    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle, points)
-    inside = np.sqrt(np.pi) * ridge.width
-    widening = np.trace(ridge.solution[:, :2, 1:3], axis1=1, axis2=2) / 2
-    widening = np.maximum(widening * np.sqrt(2 * np.pi) * ridge.width / 2, 1.0)
-    variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    width = WIDTH_CYCLES * cycle
+    ridge = HarmonicWindows.over(
+        valid,
+        rate,
+        points / rate,
+        (ceil(_REACH * width) + 0.5) / rate,
+        np.full(len(points), angular_frequency),
+        lambda s: np.exp(-0.5 * (s * rate / width) ** 2),
+        drift=False,
+    )
+    widening = np.maximum(ridge.spread * np.sqrt(2 * np.pi) * width / 2, 1.0)
+    variance = (
+        noise**2 / (np.sqrt(np.pi) * width) * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    )
     weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
     if not weight.any():
         raise NotIdentifiable("too many samples are lost over the whole motion to follow its envelope")
@@ -123,12 +134,12 @@ def observe(
 
 def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
     """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
-    p, q = transform(observed.ridge, samples)
+    p, q, _ = observed.ridge(samples)
     envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
     expected = observed.angular_frequency * observed.points / observed.rate
     phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
     slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
-    return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
+    return envelope, phase, slope + observed.angular_frequency
 
 
 def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:

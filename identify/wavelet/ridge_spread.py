@@ -13,7 +13,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.signal.averaging import integrate_envelope
 from identify.signal.covariance import misfit_covariance
-from identify.signal.morlet import Complex, weights_on_samples
+from identify.signal.harmonic_windows import Complex
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
 from identify.wavelet.ridge_fit import Observed, RidgeFit, phase_model, seen_of
 
@@ -87,7 +87,7 @@ def _turn(observed: Observed, fit: RidgeFit) -> Complex:
 
 
 def _carried(observed: Observed, on_points: Complex) -> Array:
-    rows = weights_on_samples(observed.ridge, on_points)
+    rows = observed.ridge.weights_on_samples(on_points, len(observed.samples))
     return observed.noise**2 * rows @ rows.T
 
 
