@@ -13,7 +13,7 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.curves.decay_curve import DecayCurve
 from identify.errors import NotIdentifiable
-from identify.fitting.initial_values import initial_nuisances, initial_values
+from identify.fitting.initial_values import initial_nuisances
 from identify.fitting.problem import Problem
 from identify.free_decay import CHANNELS
 from identify.model.model import Model
@@ -185,8 +185,7 @@ def simulated_curve(release: Isolated, model: Model, values: dict[str, float]) -
     at = int(mode.windows.first[0])
     window = prepared.window.part(slice(at, None)).with_(pre_release=None)
     problem = Problem(model, (window,), prepared.frequency)
-    begin = initial_nuisances if all(str(t.strength) in values for t in model.forces) else initial_values
-    theta = problem.theta(begin((prepared,), model, values) | values)
+    theta = problem.theta(initial_nuisances((prepared,), model, values) | values)
     places = list(problem.layout.releases[0].start)
     theta[places] = prepared.motion.displacement[at], prepared.motion.velocity[at]
     curve = None
