@@ -141,7 +141,7 @@ class AmplitudeCurve:
         return len(self.amplitude)
 
     @classmethod
-    def measured(cls, curve: DecayCurve, release: int = 0) -> Self:
+    def measured(cls, curve: DecayCurve, release: int) -> Self:
         """Compute frequency and damping of a measured curve between points, or, where it has many, over several points.
 
         The errors are found from the scatter of neighbouring points: the rms of their third differences over nine
@@ -154,7 +154,7 @@ class AmplitudeCurve:
         return cls(release, curve.between, frequency, damping, scatter(frequency), scatter(damping))
 
     @classmethod
-    def predicted(cls, curve: DecayCurve, release: int = 0) -> Self:
+    def predicted(cls, curve: DecayCurve, release: int) -> Self:
         """Compute frequency and damping of a model's curve over the same steps, without errors."""
         found = cls.measured(curve, release)
         return replace(found, frequency_std=np.zeros(len(found)), damping_std=np.zeros(len(found)))

@@ -54,7 +54,7 @@ class IsolatedMode:
     centre: Array
     windows: HarmonicWindows
     frequency: Array
-    lightness: float = 1.0
+    lightness: float
 
     @classmethod
     def of(cls, window: FitWindow) -> Self:
@@ -195,8 +195,6 @@ def simulated_curve(release: Isolated, model: Model, values: dict[str, float]) -
         if not np.isfinite(predicted).all():
             return None
         curve = mode.curve(np.concatenate([np.zeros(at), predicted]))
-        if not (curve.amplitude > 0.0).all():
-            return None
         u, v = theta[places]
         state = complex(u, -v / mode.frequency[0])
         turn = np.exp(1j * (measured.phase[0] - curve.phase[0])) * measured.amplitude[0] / curve.amplitude[0]

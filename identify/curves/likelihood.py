@@ -244,8 +244,6 @@ class CurveLikelihood:
     def with_own_corrections(self, before: CurveFit, found: CurveFit) -> CurveFit:
         """Fit the last law again to curves that are corrected for windows and averaging by its own motion."""
         observed = self.laws.observed(self.columns(found.added), found.strengths)
-        if not all(np.isfinite(one).all() for signals in observed for one in signals):
-            return found
         return self.with_law(self.products(observed, found.added.laws), before, found.added.laws[-1])
 
     def fitted(

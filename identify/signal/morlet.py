@@ -5,21 +5,21 @@ from numpy import fft
 
 from identify.arrays import Array
 
+_COLUMNS = 200
 
-def scalogram(
-    samples: Array, rate: float, frequencies: Array, times: int, waves: float
-) -> tuple[Array, Array]:
-    """Return the modulus of the plain Morlet transform, eq. (7), and the times it stands at.
 
-    `frequencies` (f,) in Hz; about `times` columns; `waves` is w_wavelet / (2 pi), the number of waves in one
-    standard deviation. The modulus, shape (f, t), is scaled so that a steady sine shows its amplitude; times (t,) in s.
+def scalogram(samples: Array, rate: float, frequencies: Array) -> tuple[Array, Array]:
+    """Return the modulus of the plain Morlet transform, eq. (7), with one wave a standard deviation, and its times.
+
+    `frequencies` (f,) in Hz. The modulus, shape (f, t), about 200 columns, is scaled so that a steady sine shows its
+    amplitude; times (t,) in s.
     """
     n = len(samples)
     length = 1 << (2 * n).bit_length()
     spectrum = fft.fft(samples - np.mean(samples), length)
     axis = fft.fftfreq(length, 1 / rate)
     ratio = axis[None, :] / frequencies[:, None] - 1
-    window = np.where(axis[None, :] > 0, 2 * np.exp(-0.5 * (2 * np.pi * waves * ratio) ** 2), 0.0)
+    window = np.where(axis[None, :] > 0, 2 * np.exp(-0.5 * (2 * np.pi * ratio) ** 2), 0.0)
     modulus = np.abs(fft.ifft(spectrum * window, axis=1))[:, :n]
-    every = max(1, n // times)
+    every = max(1, n // _COLUMNS)
     return modulus[:, ::every], np.arange(0, n, every) / rate

@@ -7,6 +7,7 @@ what the transform then shows beyond the averaged model is taken off the measure
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, pi, sqrt
 
 import numpy as np
@@ -22,7 +23,6 @@ from identify.signal.harmonic_windows import HarmonicWindows
 from identify.wavelet.envelope import (
     EnvelopeFit,
     PhaseFit,
-    cumulative,
     fit_envelope,
     fit_phase,
     solve_integrated,
@@ -81,21 +81,30 @@ class Observed:
         width = WIDTH_CYCLES * 2 * np.pi * self.rate / self.angular_frequency
         return float(len(self.samples) / (2 * np.sqrt(np.pi) * width) + 1)
 
+    def seen(self, samples: Array) -> tuple[Array, Array, Array]:
+        """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
+        p, q, _ = self.ridge(samples)
+        envelope = np.abs(p) / self.angular_frequency**self.derivatives
+        expected = self.angular_frequency * self.points / self.rate
+        phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - self.derivatives * np.pi / 2
+        slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
+        return envelope, phase, slope + self.angular_frequency
+
+    @cached_property
+    def measured(self) -> tuple[Array, Array, Array]:
+        """Envelope, phase and frequency of the channel itself, with the bias of the transform."""
+        return self.seen(self.samples)
+
 
 @dataclass(frozen=True, eq=False)
 class RidgeFit:
-    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
-
-    `bias_envelope` and `bias_phase` are what was taken off.
-    """
+    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,)."""
 
     envelope_fit: EnvelopeFit
     phase_fit: PhaseFit
     stiffness_orders: tuple[int, ...]
     envelope: Array
     phase: Array
-    bias_envelope: Array
-    bias_phase: Array
 
     @property
     def order(self) -> int:
@@ -132,24 +141,6 @@ def observe(
     )
 
 
-def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
-    """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
-    p, q, _ = observed.ridge(samples)
-    envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
-    expected = observed.angular_frequency * observed.points / observed.rate
-    phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
-    slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
-    return envelope, phase, slope + observed.angular_frequency
-
-
-def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
-    """Return phi(0) + sum d_i int k^(i-1) dt at the points of `envelope` (m,), as `fit_phase` fits it."""
-    slopes = np.zeros(len(envelope))
-    for order, slope in zip(orders, parameters[1:], strict=True):
-        slopes += slope * envelope ** (order - 1)
-    return np.asarray(parameters[0] + cumulative(slopes, step))
-
-
 def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
     """Return the stiffness k_i by its order i, and the damping mu_0, ... per unit mass."""
     slopes, orders = fit.phase_fit.parameters[1:], fit.stiffness_orders
@@ -159,8 +150,11 @@ def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
     return dict(zip(orders, map(float, sizes), strict=True)) | {1: float(w**2)}, damping
 
 
-def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
-    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
+def exact_decay(observed: Observed, fit: RidgeFit) -> Array:
+    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway.
+
+    Returns what the channel would read, (n,).
+    """
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
     phase, frequency = fit.phase_fit.parameters[:2]
@@ -168,9 +162,10 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
         raise RunsAway
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
-    return simulate_decay(
+    decay = simulate_decay(
         amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
     )
+    return (decay.displacement, decay.velocity, decay.acceleration)[observed.derivatives]
 
 
 def simulate_decay(
@@ -208,27 +203,20 @@ def simulate_decay(
     return motion
 
 
-def channel_of(decay: Response, derivatives: int) -> Array:
-    """Return the displacement, velocity or acceleration of a computed decay."""
-    return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
-
-
 def seen_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return envelope and phase (m,) that the transform shows of the exact decay of a fit; it may raise RunsAway."""
-    decay = channel_of(exact_decay(observed, fit), observed.derivatives)
-    envelope, phase, _ = envelope_and_phase(observed, decay)
+    envelope, phase, _ = observed.seen(exact_decay(observed, fit))
     turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
     return envelope, phase - 2 * np.pi * turns
 
 
 def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
     """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
-    envelope, phase, _ = envelope_and_phase(observed, observed.samples)
-    zero = np.zeros(len(envelope))
+    envelope, phase, _ = observed.measured
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
     phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
+    return RidgeFit(fitted, phases, orders, envelope, phase)
 
 
 def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
@@ -250,18 +238,19 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     the first does.
     """
     sound, least = fit, np.inf
+    raw_envelope, raw_phase, _ = observed.measured
     for at in range(_ROUNDS):
         try:
-            seen, phase = seen_of(observed, fit)
+            seen_envelope, seen_phase = seen_of(observed, fit)
         except RunsAway:
             if not at:
                 raise
             return sound
-        bias_envelope, bias_phase = seen - fit.envelope_fit.fit, phase - fit.phase_fit.fit
-        more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
-        envelope, phases = fit.envelope - more, fit.phase - later
+        envelope = raw_envelope - (seen_envelope - fit.envelope_fit.fit)
+        phase = raw_phase - (seen_phase - fit.phase_fit.fit)
         size = np.abs(envelope)
-        change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
+        change = np.maximum(np.abs(envelope - fit.envelope), np.abs(phase - fit.phase) * size)
+        change *= observed.weight > 0
         largest = float(np.max(change / np.sqrt(observed.variance)))
         if largest > _ASTRAY * least:
             return sound
@@ -272,11 +261,9 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
             envelope_fit=fit_envelope(
                 envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1
             ),
-            phase_fit=fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight),
+            phase_fit=fit_phase(phase, size, observed.step, fit.stiffness_orders, observed.weight),
             envelope=envelope,
-            phase=phases,
-            bias_envelope=bias_envelope,
-            bias_phase=bias_phase,
+            phase=phase,
         )
         if largest < _SETTLED:
             break
