@@ -14,12 +14,11 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from identify.arrays import Array
 from identify.curves.curve_laws import CurveLaws, Signals
-from identify.curves.rig_noise import CENTRE, RigNoise, nameless_shapes
+from identify.curves.rig_noise import CENTRE, RigNoise, nameless_shapes, overlap_of
 from identify.priors import FLAT, NAMELESS_IS, NOISE, SAME, SIZES, STRENGTHS, WALKS_ARE
 
 _ROUNDS = 6
@@ -151,7 +150,7 @@ class CurveLikelihood:
         self.laws = laws
         self.base = tuple(range(laws.base))
         self.own = laws.linear if len(laws.curves) > 1 else ()
-        self.rigs = tuple(RigNoise.of(one.curve, one.mode, laws.frequency) for one in laws.releases)
+        self.rigs = tuple(RigNoise(one.curve, overlap_of(one.mode), laws.frequency) for one in laws.releases)
         grid, shapes = nameless_shapes(laws.curves)
         self.nameless = shapes.shape[1]
         self.shapes = tuple(rig.nameless(grid, shapes) for rig in self.rigs)
@@ -223,17 +222,14 @@ class CurveLikelihood:
             cross = np.delete(joined[:, more], more, axis=0)[:-1] * scale[:, None]
             own, along = np.diag(joined)[more], joined[more, -1]
 
-            def free(kept: NDArray[np.int_]) -> tuple[Array, Array]:
+            def free(dropped: tuple[int, ...]) -> tuple[Array, Array]:
+                kept = np.setdiff1d(np.arange(len(aim)), dropped)
                 factor = cholesky(normal[np.ix_(kept, kept)], lower=True)
                 both = np.column_stack([cross, aim])[kept]
                 white = solve_triangular(factor, both, lower=True, check_finite=False)
                 return own - np.sum(white[:, :-1] ** 2, axis=0), along - white[:, :-1].T @ white[:, -1]
 
-            everything = np.arange(len(aim))
-            width, _ = free(everything)
-            left, sought = (
-                free(np.setdiff1d(everything, before.dropped)) if before.dropped else free(everything)
-            )
+            (width, _), (left, sought) = free(()), free(before.dropped)
             scale = (STRENGTHS * self.laws.natural[list(products.used), None]) ** 2
             explained = scale * sought[:, None] ** 2 / (1.0 + scale * left[:, None])
             volume = np.log1p(scale * np.maximum(width, 0.0)[:, None])

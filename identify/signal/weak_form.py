@@ -132,9 +132,7 @@ def factor_of(band: Array) -> Array:
 def solve(white: Array, right: Array) -> LeastSquares:
     """Solve whitened rows (m, p) c = `right` (m,) by SVD, as the paper does eq. (17)."""
     scale = np.linalg.norm(white, axis=0) + 1e-300
-    left, singular, across = np.linalg.svd(white / scale, full_matrices=False)
-    kept = np.where(singular > 1e-10 * singular[0], 1 / singular, 0.0)
-    inverse = (across.T * kept) @ left.T / scale[:, None]
+    inverse = np.linalg.pinv(white / scale, rcond=1e-10) / scale[:, None]
     values = inverse @ right
     residual = right - white @ values
     degrees = max(1, len(right) - white.shape[1])
