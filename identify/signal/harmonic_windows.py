@@ -54,10 +54,12 @@ class HarmonicWindows:
         first, operators, support, spread = [], [], [], []
         for centre, w in zip(centres, frequency, strict=True):
             at = np.arange(int(np.ceil((centre - half) * rate)), int(np.floor((centre + half) * rate)) + 1)
-            full = float(np.sum(window(at / rate - centre)))
-            at = at[(at >= 0) & (at < len(used))]
             s = at / rate - centre
-            weight, x = window(s) * used[at], s / half
+            weight = window(s)
+            full = float(np.sum(weight))
+            inside = (at >= 0) & (at < len(used))
+            at, s = at[inside], s[inside]
+            weight, x = weight[inside] * used[at], s / half
             cos, sin = np.cos(w * s), np.sin(w * s)
             design = np.array([cos, -sin, x * cos, -x * sin, np.ones(len(s)), x][: 5 + drift])
             inverse = np.linalg.inv((design * weight) @ design.T + _RIDGE * full * np.eye(len(design)))
