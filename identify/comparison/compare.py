@@ -105,13 +105,17 @@ def compare(
     model: Model | None = None,
     *,
     known: dict[str, float] | None = None,
+    mass: float | None = None,
 ) -> Comparison:
     """Fit a model (stiffness, Coulomb and viscous friction unless given) to one release, and compare the two.
 
     `known` are values to begin the fit from, by unknown's name; forces are given in N where the release states its
-    mass. Raises NotIdentifiable when the release holds too little to fit anything.
+    mass, or a `mass` is given (kg, or kg m^2 for angles). Raises NotIdentifiable when the release holds too little to fit
+    anything.
     """
     prepared = prepare(decay) if isinstance(decay, FreeDecay) else decay
+    if mass is not None:
+        prepared = replace(prepared, mass=mass)
     return compare_fitted(fit_baseline((prepared,), model or base_model(), known))
 
 

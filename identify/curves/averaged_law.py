@@ -1,7 +1,7 @@
 """An averaged law: what an effect of unit strength does to loss, frequency and centre at every amplitude."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,7 +24,7 @@ class AveragedLaw:
 
     `inner` are the inner parameters, by their own names; `signatures` are those at each of `times` (times,) s since the
     release, one where time does not matter, and `centre` (amplitudes,) is the displacement of the centre by a force that
-    is even. Both are of a motion at an angular `frequency` (rad/s); `elsewhere` is the law at others.
+    is even.
     """
 
     term: Term
@@ -33,8 +33,6 @@ class AveragedLaw:
     times: Array
     signatures: tuple[Signature, ...]
     centre: Array
-    frequency: float = 0.0
-    elsewhere: tuple["AveragedLaw", ...] = ()
 
     @property
     def name(self) -> str:
@@ -43,11 +41,6 @@ class AveragedLaw:
 
     def along(self, curve: DecayCurve) -> tuple[Array, Array, Array]:
         """Return loss (1/s) and change of w^2 (1/s^2) between the points, (n - 1,), and the centre at them, (n,)."""
-        if self.elsewhere:
-            own = float(np.median(curve.frequency))
-            near = min((self, *self.elsewhere), key=lambda law: abs(law.frequency - own))
-            if near is not self:
-                return replace(near, elsewhere=()).along(curve)
         at, grid = np.log(curve.between), np.log(self.amplitudes)
         loss = self._in_time(curve, [np.interp(at, grid, s.damping) for s in self.signatures])
         stiffening = self._in_time(curve, [np.interp(at, grid, s.stiffening) for s in self.signatures])
@@ -58,11 +51,8 @@ class AveragedLaw:
         """Interpolate values that hold at each of the times to the points of a curve, (n,)."""
         if len(values) == 1:
             return values[0]
-        place = np.interp(curve.clock, self.times, np.arange(len(values)))
-        before = np.minimum(place.astype(int), len(values) - 2)
-        share, points = place - before, np.arange(len(place))
-        table = np.array(values)
-        return np.asarray((1.0 - share) * table[before, points] + share * table[before + 1, points])
+        along = zip(curve.clock, np.transpose(values), strict=True)
+        return np.array([np.interp(time, self.times, at_times) for time, at_times in along])
 
     @property
     def shapeless(self) -> bool:
@@ -123,7 +113,7 @@ def law_of(
     )
     moves = effect.force is not None and effect.rates is None  # the centre
     centre = -signatures[0].mean / frequency**2 if moves else np.zeros(len(grid))
-    return AveragedLaw(term, dict(inner), grid, times, signatures, centre, frequency)
+    return AveragedLaw(term, dict(inner), grid, times, signatures, centre)
 
 
 def values_of(laws: Iterable[AveragedLaw], strengths: Array) -> dict[str, float]:

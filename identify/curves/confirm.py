@@ -75,20 +75,22 @@ def _confirmed(likelihood: CurveLikelihood) -> Confirmation:
     usual = held = hold_out(likelihood, taken[0])
     effects: list[ConfirmedEffect] = []
     asked: list[Evidence] = []
-    beside = taken[0]
     for _ in _CHANNELS:
         suspects = _averaged([(_worth(likelihood, one), _suspects(likelihood, one)) for one in taken])
         known = {name: laws.laws[one.column].term.effect for name, one in suspects.items()}
         evidence = decide({name: one.nats for name, one in suspects.items()}, known)
         likeliest = evidence.names[:MOST_ALIKE]
-        tried = {name: hold_out(likelihood, beside.and_last_of(suspects[name].fit)) for name in likeliest}
+        fits = {name: suspects[name].fit for name in likeliest}
+        tried = {
+            name: hold_out(likelihood, fit if effects else fit.with_last_alone) for name, fit in fits.items()
+        }
         borne = [name for name in likeliest if _confirms(laws, suspects[name].column, held, tried[name])]
         named = evidence.verdict == "named"
         if not likeliest or (named and not borne):
             break
         if named:
             evidence = evidence.led_by(min(borne, key=lambda name: complexity(known[name])))
-        taken = [suspects[name].fit for name in (evidence.names[:1] if named else likeliest)]
+        taken = [fits[name] for name in (evidence.names[:1] if named else likeliest)]
         column, after = suspects[evidence.names[0]].column, tried[evidence.names[0]]
         evidence = evidence.of(_explained(held, after))
         if any(evidence.explains == one.explains for one in asked):
@@ -97,7 +99,7 @@ def _confirmed(likelihood: CurveLikelihood) -> Confirmation:
             asked.append(evidence)
         if named:
             effects.append(_effect(laws, column, held, after, evidence))
-            held, beside = after, taken[0]
+            held = after
     return Confirmation(
         tuple(effects),
         usual,

@@ -6,7 +6,7 @@ through the same windows, and is taken off the measurement.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
@@ -36,7 +36,8 @@ Signals = tuple[Array, Array, Array]
 class CurveLaws:
     """Releases with their curves, and laws: the first `base` laws are those of the model, the others may be missing from it.
 
-    `known` has the model's parameters by unknown's name; `frequency` is the median of all curves, rad/s.
+    `known` has the model's parameters by unknown's name; `frequency` is the median of all curves, rad/s. `own` are the
+    laws at the frequency of each release, the same where all are at one.
     """
 
     releases: tuple[Isolated, ...]
@@ -45,6 +46,7 @@ class CurveLaws:
     known: dict[str, float]
     scales: Scales
     frequency: float
+    own: tuple[tuple[AveragedLaw, ...], ...]
 
     @classmethod
     def of(
@@ -62,13 +64,13 @@ class CurveLaws:
         grid = amplitude_grid(curves)
         base = tuple(law_of(term, inner_of(term, known), frequency, grid, duration) for term in model.forces)
         laws = (*base, *laws_of(terms, frequency, scales, grid, duration))
+        own = (laws,) * len(curves)
         if releases[0].decay.window.varies - {"damping"}:  # each release is at another frequency
-            own = [float(np.median(curve.frequency)) for curve in curves]
-            laws = tuple(
-                replace(law, elsewhere=tuple(law_of(law.term, law.inner, w, grid, duration) for w in own))
-                for law in laws
+            medians = (float(np.median(curve.frequency)) for curve in curves)
+            own = tuple(
+                tuple(law_of(law.term, law.inner, w, grid, duration) for law in laws) for w in medians
             )
-        return cls(releases, laws, len(base), known, scales, frequency)
+        return cls(releases, laws, len(base), known, scales, frequency, own)
 
     @property
     def curves(self) -> tuple[DecayCurve, ...]:
@@ -79,7 +81,9 @@ class CurveLaws:
     def columns(self) -> tuple[Signals, ...]:
         """The effect of each law of unit strength on each curve, (n, laws)."""
         every = range(len(self.laws))
-        return tuple(self._along(curve, every, float(curve.amplitude.max())) for curve in self.curves)
+        return tuple(
+            self._along(i, curve, every, float(curve.amplitude.max())) for i, curve in enumerate(self.curves)
+        )
 
     @cached_property
     def measured(self) -> tuple[Signals, ...]:
@@ -147,32 +151,32 @@ class CurveLaws:
         laws = [self.laws[c] for c in columns]
         model, found = Model(tuple(law.term for law in laws)), []
         for i, release in enumerate(self.releases):
-            curve = release.curve
             values = self.known | values_of(laws, strengths[i])
             run = simulated_curve(release, model, values)
-            excess = None if run is None else self._excess(run, columns, strengths[i], curve)
+            excess = None if run is None else self._excess(i, run, columns, strengths[i])
             size, phase, centre = self.measured[i]
             if excess is not None:
                 size, phase, centre = size - excess[0], phase - excess[1], centre - excess[2]
+            curve = release.curve
             own = -2.0 * _slope(self.columns[i][0][:, list(columns)] @ strengths[i], curve)
             slower = _smooth(-2.0 * _slope(size, curve), curve) ** 2 - own**2
             found.append((size, phase + summed(slower, curve) / (8.0 * self.frequency), centre))
         return tuple(found)
 
     def _excess(
-        self, run: DecayCurve, columns: Sequence[int], strengths: Array, measured: DecayCurve
+        self, release: int, run: DecayCurve, columns: Sequence[int], strengths: Array
     ) -> Signals | None:
         """Return the difference of a simulated curve from its own laws; None where it does not follow them at all."""
-        unit = float(measured.amplitude.max())
-        own = self._along(run, columns, unit)
+        unit = float(self.curves[release].amplitude.max())
+        own = self._along(release, run, columns, unit)
         size, phase, centre = (
             seen - law @ strengths for seen, law in zip(self._seen(run, unit), own, strict=True)
         )
         follows = np.abs(2.0 * _slope(size, run)).max() < _FOLLOWS * self.typical_loss
         return (size, phase, centre) if follows and np.isfinite(phase).all() else None
 
-    def _along(self, curve: DecayCurve, columns: Sequence[int], unit: float) -> Signals:
-        parts = [self.laws[c].along(curve) for c in columns]
+    def _along(self, release: int, curve: DecayCurve, columns: Sequence[int], unit: float) -> Signals:
+        parts = [self.own[release][c].along(curve) for c in columns]
         loss, stiffness, centre = (np.column_stack([part[kind] for part in parts]) for kind in range(3))
         return -0.5 * summed(loss, curve), 0.5 * summed(stiffness, curve) / self.frequency, centre / unit
 

@@ -3,7 +3,7 @@
 The amplitude curve: frequency and damping of one release against amplitude, each with its error.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -66,11 +66,6 @@ class DecayCurve:
         return np.asarray(np.diff(self.phase) / self.step)
 
     @property
-    def range(self) -> float:
-        """Largest amplitude over the smallest."""
-        return float(self.amplitude.max() / self.amplitude.min())
-
-    @property
     def beats(self) -> bool:
         """Whether the amplitude rises again by a quarter after it had fallen, which one free mode never does."""
         high = self.amplitude[self.amplitude > _ABOVE * self.amplitude.max()]
@@ -112,18 +107,10 @@ class DecayCurve:
         """The amplitudes of the last two fifths."""
         return self.amplitude[round(_LAST * len(self)) :]
 
-    def part(self, first: int, last: int) -> Self:
-        """Return the points from `first` to before `last`."""
-        cut = slice(first, last)
-        return type(self)(
-            self.time[cut],
-            self.amplitude[cut],
-            self.phase[cut],
-            self.centre[cut],
-            self.misfit[cut],
-            self.has_centre,
-            self.lightness,
-        )
+    def part(self, points: slice) -> Self:
+        """Return some of the points."""
+        arrays = ("time", "amplitude", "phase", "centre", "misfit")
+        return replace(self, **{name: getattr(self, name)[points] for name in arrays})
 
 
 _MOST_POINTS = 36
@@ -154,7 +141,7 @@ class AmplitudeCurve:
         return len(self.amplitude)
 
     @classmethod
-    def measured(cls, curve: DecayCurve, release: int = 0) -> Self:
+    def measured(cls, curve: DecayCurve, release: int) -> Self:
         """Compute frequency and damping of a measured curve between points, or, where it has many, over several points.
 
         The errors are found from the scatter of neighbouring points: the rms of their third differences over nine
@@ -162,40 +149,21 @@ class AmplitudeCurve:
         make neighbours err in opposite directions, which makes this up to 1.3 times too large; a drift slower than
         four points is not in it.
         """
-        curve = _thinned(curve)
-        frequency, damping = _rates(curve)
+        curve = curve.part(slice(None, None, max(1, -(-(len(curve) - 1) // _MOST_POINTS))))
+        frequency, damping = curve.frequency / (2.0 * np.pi), curve.loss / (2.0 * curve.frequency)
         return cls(release, curve.between, frequency, damping, scatter(frequency), scatter(damping))
 
     @classmethod
-    def predicted(cls, curve: DecayCurve, release: int = 0) -> Self:
+    def predicted(cls, curve: DecayCurve, release: int) -> Self:
         """Compute frequency and damping of a model's curve over the same steps, without errors."""
-        curve = _thinned(curve)
-        frequency, damping = _rates(curve)
-        return cls(release, curve.between, frequency, damping, np.zeros(len(damping)), np.zeros(len(damping)))
+        found = cls.measured(curve, release)
+        return replace(found, frequency_std=np.zeros(len(found)), damping_std=np.zeros(len(found)))
 
     def down_to(self, amplitude: float) -> Self:
         """Keep the points whose amplitude is not below another curve's, m or rad."""
         kept = self.amplitude >= amplitude
         values = (self.amplitude, self.frequency, self.damping, self.frequency_std, self.damping_std)
         return type(self)(self.release, *(value[kept] for value in values))
-
-
-def _rates(curve: DecayCurve) -> tuple[Array, Array]:
-    return curve.frequency / (2.0 * np.pi), curve.loss / (2.0 * curve.frequency)
-
-
-def _thinned(curve: DecayCurve) -> DecayCurve:
-    """Keep every second, third ... point of a curve that has many."""
-    every = slice(None, None, max(1, -(-(len(curve) - 1) // _MOST_POINTS)))
-    return DecayCurve(
-        curve.time[every],
-        curve.amplitude[every],
-        curve.phase[every],
-        curve.centre[every],
-        curve.misfit[every],
-        curve.has_centre,
-        curve.lightness,
-    )
 
 
 def scatter(values: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.curves.curve_laws import Signals
 from identify.curves.decay_curve import THIRD_DIFFERENCES, DecayCurve
-from identify.curves.likelihood import CurveFit, CurveLikelihood, Part, Products
+from identify.curves.likelihood import CurveFit, CurveLikelihood, Part, Products, Settings
 
 _FEWEST = 5
 """Points of a part at least."""
@@ -26,11 +26,10 @@ _TURNED = 2.0
 
 @dataclass(frozen=True)
 class MotionError:
-    """The error of prediction of one part: of its envelope, its phase and its centre, in % of the motion."""
+    """The error of prediction of one part: of its envelope and its phase, in % of the motion."""
 
     envelope: float
     phase: float
-    centre: float
 
     @property
     def motion(self) -> float:
@@ -50,7 +49,7 @@ class HeldOut:
     one_record: bool
 
     def typical(self, channel: str) -> float:
-        """Return the rms over the parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
+        """Return the rms over the parts of one kind of error ("envelope", "phase", "motion"), % of the motion."""
         counted = self.predicted[1:] if self.one_record else self.predicted
         return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in counted])))
 
@@ -104,7 +103,8 @@ def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
         rest = [part for part in parts if part is not left]
         others, own = (likelihood.products(observed, columns, some, noise) for some in (rest, [left]))
         shared = likelihood.fitted(others, found.added, still).shared
-        predicted.append(_error(likelihood, columns, _own(likelihood, own, columns, shared), left, observed))
+        refitted = _own(likelihood, own, columns, still, shared)
+        predicted.append(_error(likelihood, columns, refitted, left, observed))
     return HeldOut(whole.shared, tuple(predicted), len(likelihood.rigs) == 1)
 
 
@@ -115,19 +115,22 @@ def _scatter(likelihood: CurveLikelihood) -> float:
     return float(np.sqrt(np.mean(squares))) + 1e-3 * max(float(curve.amplitude.max()) for curve in curves)
 
 
-def _own(likelihood: CurveLikelihood, products: Products, columns: tuple[int, ...], shared: Array) -> Array:
+def _own(
+    likelihood: CurveLikelihood,
+    products: Products,
+    columns: tuple[int, ...],
+    still: Settings,
+    shared: Array,
+) -> Array:
     """Refit the linear laws of a release that was left out near the shared ones; all others are held (columns,)."""
     count = len(likelihood.own)
     if not count:
         return shared
     (release, _) = products.parts[0]
-    first = len(products.used) + likelihood.nameless + release * count
-    own, held = range(first, first + count), [products.used.index(column) for column in columns]
-    normal, aim = np.eye(count), np.zeros(count)
-    for channel in likelihood.channels:
-        one, _ = products(channel, 0)
-        normal += one[np.ix_(own, own)]
-        aim += one[own, -1] - one[np.ix_(own, held)] @ shared
+    joined, _ = products.joined([products.used.index(column) for column in columns], still)
+    own = slice(len(columns) + release * count, len(columns) + (release + 1) * count)
+    normal = np.eye(count) + joined[own, own]
+    aim = joined[own, -1] - joined[own, : len(columns)] @ shared
     strengths = shared.copy()
     for (column, varies), more in zip(likelihood.own, np.linalg.solve(normal, aim), strict=True):
         strengths[columns.index(column)] += varies * more
@@ -144,7 +147,7 @@ def _error(
     """Compute the error of prediction of one part, with its start left free."""
     release, points = part
     curve, at = likelihood.laws.curves[release], list(columns)
-    size, phase, centre = (
+    size, phase, _ = (
         (law[:, at] @ strengths - seen)[points]
         for law, seen in zip(likelihood.laws.columns[release], observed[release], strict=True)
     )
@@ -152,10 +155,4 @@ def _error(
     weight = power / np.sum(power)
     envelope = np.clip(np.expm1(np.clip(size - weight @ size, -3.0, 1.0)), -1.0, 1.0)
     turned = np.minimum((phase - weight @ phase) ** 2, _TURNED)
-    level = (centre - np.mean(centre)) * curve.amplitude.max()
-    off = np.sqrt(2.0 * np.mean(level**2) / np.mean(power)) if curve.has_centre else 0.0
-    return MotionError(
-        100.0 * float(np.sqrt(weight @ envelope**2)),
-        100.0 * float(np.sqrt(weight @ turned)),
-        100.0 * float(off),
-    )
+    return MotionError(100.0 * float(np.sqrt(weight @ envelope**2)), 100.0 * float(np.sqrt(weight @ turned)))

@@ -1,29 +1,27 @@
 """One isolated mode: a harmonic motion is fitted to the readings in windows of a cycle or more.
 
-Under a window (the root of Hann's) around its centre the reading is written as o + d s + Re[(p + q s) e^{iws}], s the
-time from the centre, by least squares: p has amplitude and phase, o is the centre of the oscillation, q follows the
-decay. All is linear in the reading, so that a predicted motion passes through the very same windows: what they do to
-a measured motion they do to the prediction.
+The windows are Hann's. All is linear in the reading, so that a predicted motion passes through the very same windows: what
+they do to a measured motion they do to the prediction.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.curves.decay_curve import DecayCurve
 from identify.errors import NotIdentifiable
-from identify.fitting.initial_values import initial_nuisances, initial_values
+from identify.fitting.initial_values import initial_nuisances
 from identify.fitting.problem import Problem
+from identify.free_decay import CHANNELS
 from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.signal.harmonic_windows import HarmonicWindows
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 
-_ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _MOST_POINTS = 100
 _HALF_WIDTHS = ((8.0, 0.75), (20.0, 1.0), (np.inf, 1.5))
 """Up to so many cycles in a record, half-width of a window in cycles."""
@@ -47,84 +45,79 @@ _TOO_FEW = "The record holds too few cycles to draw a curve of."
 
 @dataclass(frozen=True, eq=False)
 class IsolatedMode:
-    """The windows of one record: `operators` (k, 4, m) give Re p, Im p, o and the row of the harmonic fit's residual.
+    """The `windows` of one record, around `centre` (k,), s since the release.
 
-    Window k begins at sample `first[k]` and lies around `centre[k]` (s since the release); `frequency` (k,) is the
-    angular frequency at which it looks, rad/s.
+    `frequency` (k,) is the angular frequency at which each looks, rad/s.
     """
 
     channel: str
     centre: Array
-    first: NDArray[np.int_]
-    operators: tuple[Array, ...]
+    windows: HarmonicWindows
     frequency: Array
-    lightness: float = 1.0
+    lightness: float
 
     @classmethod
     def of(cls, window: FitWindow) -> Self:
         """Lay windows over a record, following its frequency; NotIdentifiable when it holds fewer than four."""
         channel = window.channels[0]
-        order = _ORDER[channel]
         used = window.used[channel]
         values = np.where(used, window.readings[channel], np.mean(window.readings[channel][used]))
-        mean = 2.0 * np.pi * dominant_frequency(values, window.rate, order)
+        mean = 2.0 * np.pi * dominant_frequency(values, window.rate, CHANNELS.index(channel))
         if not mean > 0.0:
             raise NotIdentifiable("The record shows no oscillation to draw a curve of.")
         centre, half = _centres(values, used, window.rate, mean)
+
+        def windows(frequency: Array) -> HarmonicWindows:
+            return HarmonicWindows.over(
+                used,
+                window.rate,
+                centre,
+                half,
+                frequency,
+                lambda s: np.cos(0.5 * np.pi * s / half) ** 2,
+                drift=True,
+            )
+
+        centre = centre[windows(np.full(len(centre), mean)).support >= _SEEN]
         if len(centre) < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)
         frequency = np.full(len(centre), mean)
         for _ in range(_TURNS):
-            first, operators, slopes = _operators(used, window.rate, centre, half, frequency)
-            found = [_apply(o, f, values) for o, f in zip(slopes, first, strict=True)]
-            shift = np.array([((q[2] + 1j * q[3]) / (q[0] + 1j * q[1])).imag for q in found])
-            frequency = np.clip(_smoothed(frequency + shift), 0.5 * mean, 2.0 * mean)
-        first, operators, _ = _operators(used, window.rate, centre, half, frequency)
-        whole = cls(channel, window.time + centre, first, operators, frequency, window.lightness)
-        largest = int(np.argmax(whole.curve(values).amplitude[: _RISES + 1]))
-        if len(centre) - largest < _FEWEST:
+            p, q, _ = windows(frequency)(values)
+            frequency = np.clip(_smoothed(frequency + (q / p).imag), 0.5 * mean, 2.0 * mean)
+        whole = cls(channel, window.time + centre, windows(frequency), frequency, window.lightness)
+        kept = slice(int(np.argmax(whole.curve(values).amplitude[: _RISES + 1])), None)
+        if len(centre[kept]) < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)
-        return whole._from(largest)
-
-    def _from(self, point: int) -> Self:
-        cut = slice(point, None)
-        return type(self)(
-            self.channel,
-            self.centre[cut],
-            self.first[cut],
-            self.operators[cut],
-            self.frequency[cut],
-            self.lightness,
+        return replace(
+            whole, centre=whole.centre[kept], windows=whole.windows.part(kept), frequency=frequency[kept]
         )
 
     def curve(self, values: Array) -> DecayCurve:
         """Compute the curve of a reading of this record, measured or predicted, (n,); lost readings may have any value."""
         values = np.where(np.isfinite(values), values, 0.0)  # no weight, but NaN times nothing is NaN
-        found = np.array([_apply(o, f, values) for o, f in zip(self.operators, self.first, strict=True)])
-        wave = found[:, 0] + 1j * found[:, 1]
+        wave, _, centre = self.windows(values)
         phase = np.angle(wave)
         expected = 0.5 * (self.frequency[1:] + self.frequency[:-1]) * np.diff(self.centre)
         turned = np.diff(phase)
         turned += 2.0 * np.pi * np.round((expected - turned) / (2.0 * np.pi))
         phase = np.concatenate([phase[:1], phase[0] + np.cumsum(turned)])
-        order = _ORDER[self.channel]
+        order = CHANNELS.index(self.channel)
         size = np.maximum(np.abs(wave), 1e-300)
-        left = np.array(
-            [_left(o, f, values, w) for o, f, w in zip(self.operators, self.first, found, strict=True)]
-        )
+        square = self.windows.mean_square(values, centre) - 0.5 * size**2
         return DecayCurve(
             self.centre,
             size / self.frequency**order,
             phase - 0.5 * np.pi * order,
-            found[:, 2],
-            left / size,
+            centre,
+            np.sqrt(np.maximum(square, 0.0)) / size,
             order == 0,
             self.lightness,
         )
 
 
 def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[Array, float]:
-    """Place the windows: their centres (k,) and half-width, s since the first sample; none where readings are missing."""
+    """Place the windows: their centres (k,) and half-width, s since the first sample."""
     period = 2.0 * np.pi / frequency
     running = running_amplitude(values, max(round(period * rate), 2))
     top = int(np.argmax(running))
@@ -138,46 +131,7 @@ def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[
     hop = period * max(1.0, cycles / _MOST_POINTS)
     half = max(half, 0.5 * hop)
     centre = np.arange(half, end - half + 0.5 / rate, hop)
-    return centre[[_share(used, rate, c, half) >= _SEEN for c in centre]], half
-
-
-def _share(used: Mask, rate: float, centre: float, half: float) -> float:
-    """Return the share of a window's readings that were recorded, by weight."""
-    first = max(int(np.ceil((centre - half) * rate)), 0)
-    there = used[first : int(np.floor((centre + half) * rate)) + 1]
-    weight = np.cos(0.5 * np.pi * ((first + np.arange(len(there))) / rate - centre) / half) ** 2
-    return float(weight @ there / max(weight.sum(), 1e-300))
-
-
-def _operators(
-    used: Mask, rate: float, centre: Array, half: float, frequency: Array
-) -> tuple[NDArray[np.int_], tuple[Array, ...], tuple[Array, ...]]:
-    """Return the first sample of each window, its operators (3, m) for p and o, and (4, m) for p and q."""
-    n = len(used)
-    first = np.maximum(np.ceil((centre - half) * rate).astype(int), 0)
-    last = np.minimum(np.floor((centre + half) * rate).astype(int) + 1, n)
-    steady, sloping = [], []
-    for c, w, a, b in zip(centre, frequency, first, last, strict=True):
-        s = np.arange(a, b) / rate - c
-        weight = np.clip(np.cos(0.5 * np.pi * s / half), 0.0, None) * used[a:b]
-        x = s / half
-        cos, sin = np.cos(w * s), np.sin(w * s)
-        design = np.column_stack([cos, -sin, x * cos, -x * sin, np.ones(len(s)), x])
-        inverse = np.linalg.pinv(design * weight[:, None], rcond=1e-6) * weight
-        inverse[2:4] /= half
-        steady.append(inverse[[0, 1, 4]])
-        sloping.append(inverse[:4])
-    return first, tuple(steady), tuple(sloping)
-
-
-def _apply(operator: Array, first: int, values: Array) -> Array:
-    return np.asarray(operator @ values[first : first + operator.shape[1]])
-
-
-def _left(operator: Array, first: int, values: Array, found: Array) -> float:
-    """Return the rms of a window's reading about its harmonic part, a rough measure of other modes and noise."""
-    part = values[first : first + operator.shape[1]] - found[2]
-    return float(np.sqrt(max(np.mean(part**2) - 0.5 * (found[0] ** 2 + found[1] ** 2), 0.0)))
+    return centre, half
 
 
 def _smoothed(values: Array) -> Array:
@@ -228,11 +182,10 @@ def simulated_curve(release: Isolated, model: Model, values: dict[str, float]) -
     the curve until they agree.
     """
     prepared, mode, measured = release.decay, release.mode, release.curve
-    at = int(mode.first[0])
+    at = int(mode.windows.first[0])
     window = prepared.window.part(slice(at, None)).with_(pre_release=None)
     problem = Problem(model, (window,), prepared.frequency)
-    begin = initial_nuisances if all(str(t.strength) in values for t in model.forces) else initial_values
-    theta = problem.theta(begin((prepared,), model, values) | values)
+    theta = problem.theta(initial_nuisances((prepared,), model, values) | values)
     places = list(problem.layout.releases[0].start)
     theta[places] = prepared.motion.displacement[at], prepared.motion.velocity[at]
     curve = None
@@ -242,8 +195,6 @@ def simulated_curve(release: Isolated, model: Model, values: dict[str, float]) -
         if not np.isfinite(predicted).all():
             return None
         curve = mode.curve(np.concatenate([np.zeros(at), predicted]))
-        if not (curve.amplitude > 0.0).all():
-            return None
         u, v = theta[places]
         state = complex(u, -v / mode.frequency[0])
         turn = np.exp(1j * (measured.phase[0] - curve.phase[0])) * measured.amplitude[0] / curve.amplitude[0]

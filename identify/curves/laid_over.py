@@ -82,21 +82,20 @@ def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[A
     curves = []
     for one in found:
         run = simulated_curve(one, law.model, law.values)
-        for _ in range(_ROUNDS if own_linear and run is not None else 0):
+        for _ in range(_ROUNDS if own_linear else 0):
+            if run is None:
+                break
             own = _set_to(one.curve, run, law)
             again = simulated_curve(one, law.model, own.values)
-            if again is None:
-                break
-            law, run = own, again
+            if again is not None:
+                law, run = own, again
         if run is not None and np.isfinite(run.frequency).all():
             curves.append(AmplitudeCurve.predicted(run, one.place).down_to(float(one.curve.amplitude.min())))
     return tuple(curves)
 
 
-def _set_to(measured: DecayCurve, run: DecayCurve | None, law: Law) -> Law:
+def _set_to(measured: DecayCurve, run: DecayCurve, law: Law) -> Law:
     """Adjust the linear spring and damper of a law until its simulation has the measured mean loss and w^2."""
-    if run is None:
-        return law
     values = dict(law.values)
     weight = measured.between**2 / np.sum(measured.between**2)
     lacks: tuple[tuple[LinearPart, Array], ...] = (

@@ -11,14 +11,14 @@ drifting rig, and an unknown law. The sizes of the walks and of that law are cho
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from identify.arrays import Array
 from identify.curves.curve_laws import CurveLaws, Signals
-from identify.curves.rig_noise import CENTRE, RigNoise, nameless_shapes
+from identify.curves.rig_noise import CENTRE, RigNoise, nameless_shapes, overlap_of
 from identify.priors import FLAT, NAMELESS_IS, NOISE, SAME, SIZES, STRENGTHS, WALKS_ARE
 
 _ROUNDS = 6
@@ -65,21 +65,17 @@ class CurveFit:
         """Whether no added law is out of bounds."""
         return all(place < len(self.shared) - len(self.added.laws) for place in self.dropped)
 
-    def and_last_of(self, other: "CurveFit") -> "CurveFit":
-        """Return these laws and the last one of another fit, with the strengths that it found for them."""
-        column, scale = other.added.laws[-1], other.added.scales[-1]
-        added = self.added.and_law(column, scale, tied=column in other.added.tied)
-        base = len(other.shared) - len(other.added.laws)
-        kept = [
-            *range(base),
-            *(base + other.added.laws.index(c) for c in added.laws if c in other.added.laws),
-        ]
-        return replace(other, added=added, shared=other.shared[kept], strengths=other.strengths[:, kept])
+    @property
+    def with_last_alone(self) -> "CurveFit":
+        """The same with the last of the added laws alone, and the strengths that were found for it and the base."""
+        added, kept = self.added, [*range(len(self.shared) - len(self.added.laws)), -1]
+        last = Added().and_law(added.laws[-1], added.scales[-1], tied=added.laws[-1] in added.tied)
+        return replace(self, added=last, shared=self.shared[kept], strengths=self.strengths[:, kept])
 
 
 @dataclass(frozen=True, eq=False)
 class Products:
-    """Products of the whitened columns `used`, nameless laws, own springs and dampers, and observations of some `parts`."""
+    """Products of the whitened columns `used`, own springs and dampers, nameless laws, and observations of some `parts`."""
 
     of: "CurveLikelihood"
     observed: tuple[Signals, ...]
@@ -96,18 +92,36 @@ class Products:
             self.made[channel, walk] = self._make(channel, float(SIZES[walk]))
         return self.made[channel, walk]
 
+    def joined(self, laws: Iterable[int], settings: Settings) -> tuple[Array, float]:
+        """Add the products of all channels, and the logarithms of their noise's determinants.
+
+        In this order: some of `used` by their places, own springs and dampers, nameless laws by channel, observations.
+        """
+        m = self.of.nameless
+        shared = [*laws, *range(len(self.used), len(self.used) + len(self.of.own) * len(self.of.rigs))]
+        size = len(shared) + m * len(self.of.channels) + 1
+        total, determinant = np.zeros((size, size)), 0.0
+        for channel in self.of.channels:
+            one, more = self(channel, settings[2 * channel])
+            first = len(shared) + m * channel
+            at = [*shared, *range(len(one) - m - 1, len(one))]
+            to = [*range(len(shared)), *range(first, first + m), size - 1]
+            total[np.ix_(to, to)] += one[np.ix_(at, at)]
+            determinant += more
+        return total, determinant
+
     def _make(self, channel: int, walk: float) -> tuple[Array, float]:
-        of, laws, m = self.of, len(self.used), self.of.nameless
-        total = laws + m + len(of.own) * len(of.rigs) + 1
+        of, laws, own = self.of, 1 + len(self.used), len(self.of.own)
+        total = laws + own * len(of.rigs) + of.nameless
         products, determinant = np.zeros((total, total)), 0.0
         for i, part in self.parts:
             columns = of.laws.columns[i][channel][part]
             design = np.zeros((len(columns), total + 1))
             design[:, 0] = 1.0
-            design[:, 1 : 1 + laws] = columns[:, list(self.used)]
-            design[:, 1 + laws : 1 + laws + m] = of.shapes[i][channel][part]
+            design[:, 1:laws] = columns[:, list(self.used)]
             for j, (column, varies) in enumerate(of.own):
-                design[:, 1 + laws + m + i * len(of.own) + j] = columns[:, column] * varies
+                design[:, laws + i * own + j] = columns[:, column] * varies
+            design[:, -1 - of.nameless : -1] = of.shapes[i][channel][part]
             design[:, -1] = self.observed[i][channel][part]
             rig = of.rigs[i]
             covariance = (
@@ -136,7 +150,7 @@ class CurveLikelihood:
         self.laws = laws
         self.base = tuple(range(laws.base))
         self.own = laws.linear if len(laws.curves) > 1 else ()
-        self.rigs = tuple(RigNoise.of(one.curve, one.mode, laws.frequency) for one in laws.releases)
+        self.rigs = tuple(RigNoise(one.curve, overlap_of(one.mode), laws.frequency) for one in laws.releases)
         grid, shapes = nameless_shapes(laws.curves)
         self.nameless = shapes.shape[1]
         self.shapes = tuple(rig.nameless(grid, shapes) for rig in self.rigs)
@@ -180,8 +194,9 @@ class CurveLikelihood:
         def nats(settings: Settings) -> float:
             return float(self._beside(products, before, settings)[at].max())
 
-        begins = (_without_walks(before.settings, still) for still in ((), (0,), (1,), (0, 1)))
-        _, settings = max(_climb(nats, begin) for begin in begins)  # it may explain a walk
+        damper, _, spring, *others = before.settings  # it may explain a walk of either
+        begins = ((a, before.settings[1], b, *others) for a in {0, damper} for b in {0, spring})
+        _, settings = max(_climb(nats, begin) for begin in begins)
         size = STRENGTHS[np.argmax(self._beside(products, before, settings)[at])]
         added = before.added.and_law(column, float(size * self.laws.natural[column]))
         found = self.fitted(products, added, settings)
@@ -200,20 +215,21 @@ class CurveLikelihood:
         key = (before.added, before.dropped, settings)
         if key not in products.beside:
             normal, aim, size, _ = self._system(products, before.added, settings)
-            cross, own, along = self._crossed(products, before.added, settings)
-            cross = cross / np.sqrt(size)[:, None]
+            scale = self._scales(before.added, settings) / np.sqrt(size)
+            mine = self._places(products, before.added)
+            joined, _ = products.joined([*mine, *range(len(products.used))], settings)
+            more = slice(len(mine), len(mine) + len(products.used))
+            cross = np.delete(joined[:, more], more, axis=0)[:-1] * scale[:, None]
+            own, along = np.diag(joined)[more], joined[more, -1]
 
-            def free(kept: NDArray[np.int_]) -> tuple[Array, Array]:
+            def free(dropped: tuple[int, ...]) -> tuple[Array, Array]:
+                kept = np.setdiff1d(np.arange(len(aim)), dropped)
                 factor = cholesky(normal[np.ix_(kept, kept)], lower=True)
                 both = np.column_stack([cross, aim])[kept]
                 white = solve_triangular(factor, both, lower=True, check_finite=False)
                 return own - np.sum(white[:, :-1] ** 2, axis=0), along - white[:, :-1].T @ white[:, -1]
 
-            everything = np.arange(len(aim))
-            width, _ = free(everything)
-            left, sought = (
-                free(np.setdiff1d(everything, before.dropped)) if before.dropped else free(everything)
-            )
+            (width, _), (left, sought) = free(()), free(before.dropped)
             scale = (STRENGTHS * self.laws.natural[list(products.used), None]) ** 2
             explained = scale * sought[:, None] ** 2 / (1.0 + scale * left[:, None])
             volume = np.log1p(scale * np.maximum(width, 0.0)[:, None])
@@ -224,8 +240,6 @@ class CurveLikelihood:
     def with_own_corrections(self, before: CurveFit, found: CurveFit) -> CurveFit:
         """Fit the last law again to curves that are corrected for windows and averaging by its own motion."""
         observed = self.laws.observed(self.columns(found.added), found.strengths)
-        if not all(np.isfinite(one).all() for signals in observed for one in signals):
-            return found
         return self.with_law(self.products(observed, found.added.laws), before, found.added.laws[-1])
 
     def fitted(
@@ -256,13 +270,8 @@ class CurveLikelihood:
     ) -> float:
         """Return the log marginal likelihood; `dropped` unknowns are zero but still count as unknown."""
         normal, aim, size, left = self._system(products, added, settings)
-        factor = cholesky(normal, lower=True)
-        if dropped:
-            kept = np.setdiff1d(np.arange(len(aim)), dropped)
-            explained = float(aim[kept] @ np.linalg.solve(normal[np.ix_(kept, kept)], aim[kept]))
-        else:
-            explained = float(np.sum(solve_triangular(factor, aim, lower=True, check_finite=False) ** 2))
-        volume = 2.0 * float(np.sum(np.log(np.diag(factor)))) + float(np.sum(np.log(size)))
+        explained = float(aim @ _solution(normal, aim, dropped))
+        volume = 2.0 * float(np.sum(np.log(np.diag(cholesky(normal))))) + float(np.sum(np.log(size)))
         price = WALKS_ARE * sum(settings[::2]) + NAMELESS_IS * sum(settings[1::2])
         return -0.5 * (left - explained + volume) - price
 
@@ -271,10 +280,7 @@ class CurveLikelihood:
     ) -> tuple[Array, Array]:
         """Solve for the likeliest strengths, shared by the releases (columns,) and of each (releases, columns)."""
         normal, aim, size, _ = self._system(products, added, settings)
-        kept = np.setdiff1d(np.arange(len(aim)), dropped)
-        found = np.zeros(len(aim))
-        found[kept] = np.linalg.solve(normal[np.ix_(kept, kept)], aim[kept])
-        found *= self._scales(added, settings) / np.sqrt(size)
+        found = _solution(normal, aim, dropped) * self._scales(added, settings) / np.sqrt(size)
         columns = self.columns(added)
         each = np.tile(found[: len(columns)], (len(self.rigs), 1))
         for i in range(len(self.rigs)):
@@ -294,24 +300,9 @@ class CurveLikelihood:
             ]
         )
 
-    def _crossed(self, products: Products, added: Added, settings: Settings) -> tuple[Array, Array, Array]:
-        """Return the products of the used laws with a system's unknowns (in their scales), themselves and the aim."""
-        used = len(products.used)
-        cross, own, along = [], np.zeros(used), np.zeros(used)
-        shared = np.zeros((len(self._places(products, added)), used))
-        for channel in self.channels:
-            one, _ = products(channel, settings[2 * channel])
-            shared += one[self._places(products, added), :used]
-            cross.append(one[used : used + self.nameless, :used])
-            own += np.diag(one)[:used]
-            along += one[:used, -1]
-        return np.vstack([shared, *cross]) * self._scales(added, settings)[:, None], own, along
-
     def _places(self, products: Products, added: Added) -> list[int]:
-        """Return the places among the products of the base, added laws, and releases' own springs and dampers."""
-        first = len(products.used) + self.nameless
-        own = range(first, first + len(self.own) * len(self.rigs))
-        return [*(products.used.index(column) for column in self.columns(added)), *own]
+        """Return the places among the products of the base and of laws beside it."""
+        return [products.used.index(column) for column in self.columns(added)]
 
     def _system(
         self, products: Products, added: Added, settings: Settings
@@ -320,19 +311,10 @@ class CurveLikelihood:
 
         Unknowns are in units of their scales, and of the root of the diagonal.
         """
-        used, m, shared = len(products.used), self.nameless, self._places(products, added)
-        count, unnamed = len(shared), range(used, used + m)
-        unknowns = count + m * len(self.channels)
-        normal, aim, left = np.zeros((unknowns, unknowns)), np.zeros(unknowns), 0.0
-        for channel in self.channels:
-            products_of, determinant = products(channel, settings[2 * channel])
-            at = [*shared, *unnamed]
-            to = [*range(count), *range(count + m * channel, count + m * (channel + 1))]
-            normal[np.ix_(to, to)] += products_of[np.ix_(at, at)]
-            aim[to] += products_of[at, -1]
-            left += float(products_of[-1, -1]) + determinant
+        joined, determinant = products.joined(self._places(products, added), settings)
         scale = self._scales(added, settings)
-        normal, aim = normal * np.outer(scale, scale) + np.eye(unknowns), aim * scale
+        normal = joined[:-1, :-1] * np.outer(scale, scale) + np.eye(len(scale))
+        aim, left = joined[:-1, -1] * scale, float(joined[-1, -1]) + determinant
         for column in added.tied:  # its strength is the spring's, give or take its scale
             law, spring = len(self.base) + added.laws.index(column), self.laws.spring_of(column)
             assert spring is not None
@@ -342,7 +324,7 @@ class CurveLikelihood:
             normal[law, spring] -= ratio
         size = np.diag(normal).copy()
         root = np.sqrt(size)
-        return normal / np.outer(root, root) + _RIDGE * np.eye(unknowns), aim / root, size, left
+        return normal / np.outer(root, root) + _RIDGE * np.eye(len(scale)), aim / root, size, left
 
     def _noise_at(self, places: Settings) -> tuple[float, ...]:
         """Return the noise at places in NOISE, by channel, and last the absolute one."""
@@ -380,22 +362,21 @@ def _climb(
     best = begin
     for _ in range(_ROUNDS):
         before = best
-        for k in range(len(begin)):
-            for way in (-1, 1):
-                while 0 <= best[k] + way < top and at(_with(best, k, best[k] + way)) > at(best):
-                    best = _with(best, k, best[k] + way)
-            if at(_with(best, k, 0)) > at(best):
-                best = _with(best, k, 0)
+        for k, way in product(range(len(begin)), (-1, 1, None)):
+            while True:
+                place = 0 if way is None else best[k] + way
+                other = (*best[:k], place, *best[k + 1 :])
+                if not 0 <= place < top or at(other) <= at(best):
+                    break
+                best = other
         if best == before:
             break
     return at(best), best
 
 
-def _without_walks(settings: Settings, channels: tuple[int, ...]) -> Settings:
-    return tuple(
-        0 if k in {2 * channel for channel in channels} else place for k, place in enumerate(settings)
-    )
-
-
-def _with(places: Settings, k: int, place: int) -> Settings:
-    return tuple(place if i == k else old for i, old in enumerate(places))
+def _solution(normal: Array, aim: Array, dropped: tuple[int, ...]) -> Array:
+    """Return the likeliest unknowns (n,) of a system, those that are `dropped` being zero."""
+    kept = np.setdiff1d(np.arange(len(aim)), dropped)
+    found = np.zeros(len(aim))
+    found[kept] = np.linalg.solve(normal[np.ix_(kept, kept)], aim[kept])
+    return found

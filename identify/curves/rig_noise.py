@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 
@@ -34,11 +33,6 @@ class RigNoise:
     curve: DecayCurve
     overlap: Array
     frequency: float
-
-    @classmethod
-    def of(cls, curve: DecayCurve, mode: IsolatedMode, frequency: float) -> Self:
-        """Find which windows of a curve share readings."""
-        return cls(curve, _overlap(mode), frequency)
 
     @cached_property
     def walks(self) -> tuple[Array, Array, Array]:
@@ -92,15 +86,15 @@ def nameless_shapes(curves: Sequence[DecayCurve]) -> tuple[Array, Array]:
     return grid, np.asarray(shapes[:, kept] * np.sqrt(power[kept]))
 
 
-def _overlap(mode: IsolatedMode) -> Array:
+def overlap_of(mode: IsolatedMode) -> Array:
     """Return the correlation of the errors of all windows, which share readings with their neighbours, (n, n)."""
-    waves = [operator[0] + 1j * operator[1] for operator in mode.operators]
+    waves = [operator[0] + 1j * operator[1] for operator in mode.windows.operators]
     waves = [wave / np.sqrt(np.sum(np.abs(wave) ** 2)) for wave in waves]
     count = len(waves)
     shared = np.eye(count, dtype=complex)
     for i in range(count):
         for j in range(i + 1, min(i + 1 + _OVERLAPS, count)):
-            apart = int(mode.first[j] - mode.first[i])
+            apart = int(mode.windows.first[j] - mode.windows.first[i])
             common = min(len(waves[i]) - apart, len(waves[j]))
             if common <= 0:
                 break

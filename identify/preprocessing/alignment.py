@@ -76,12 +76,12 @@ def align(decay: FreeDecay) -> Alignment:
 def _aligned(pair: Pair, moving: slice, frequency: float, stated: Estimate | None) -> Alignment:
     upright, opposite = _starts(pair, moving, frequency)
     corner = _HARMONICS * frequency / pair.rate
-    best = agree(pair, *upright, steps=8, corner=corner)
+    best = agree(pair, *upright, corner)
     if best.chi_square > 2.0 * best.degrees:
-        other = agree(pair, *opposite, steps=8, corner=corner)
+        other = agree(pair, *opposite, corner)
         best = other if 2.0 * other.chi_square < best.chi_square else best
     pair = with_reversals(pair, best)
-    found = agree(pair, best.lag, best.gain, steps=8, corner=corner)
+    found = agree(pair, best.lag, best.gain, corner)
     return _judged(pair, found, frequency, stated)
 
 

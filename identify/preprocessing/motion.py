@@ -105,8 +105,8 @@ def _motion(
 
 def _from_pair(decay: FreeDecay, known: Mask, source: str) -> Motion:
     pair = cut(pair_of(decay, leave_out_hand=False), decay.start)
-    pair = with_reversals(pair, agree(pair, 0.0, 1.0, free=False))
-    found = agree(pair, 0.0, 1.0, free=False)
+    pair = with_reversals(pair, agree(pair, 0.0, 1.0))
+    found = agree(pair, 0.0, 1.0)
     rate, low, high = pair.rate, found.low, found.high
     noise = _posterior_noise(
         pair.order, rate, *(float(np.sqrt(np.min(v))) for v in (pair.variance_low, pair.variance_high))

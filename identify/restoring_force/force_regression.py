@@ -84,15 +84,15 @@ def fit_orders(
     force = None if window.force is None else window.cut(window.force)
     unknown_mass = force is not None and decay.mass is None
     others = [u**j for j in stiffness_orders] + [np.ones_like(u)]
-    if force is not None and decay.mass is None:
+    if force is not None and unknown_mass:
         others.append(-force)
     powers = [np.abs(v) ** i * np.sign(v) for i in range(2, max(max_order, 1) + 1)]
     pull = np.zeros_like(u) if force is None or unknown_mass else force
-    sums = rows_of(windows, windows.kernel, np.stack([*powers, *others, pull]))
+    sums = rows_of(windows, windows.derivative(0), np.stack([*powers, *others, pull]))
     # phi vanishes at its ends, so derivatives may pass from the motion to the window
     centred = (u - np.mean(u))[None]
-    viscous = -rows_of(windows, windows.slope, centred)
-    sums[:, -1:] -= rows_of(windows, windows.curvature, centred)
+    viscous = -rows_of(windows, windows.derivative(1), centred)
+    sums[:, -1:] -= rows_of(windows, windows.derivative(2), centred)
 
     def rows(direction: Direction) -> Array:
         return np.column_stack([rows_of_sign(windows, direction), viscous, sums])
@@ -109,7 +109,7 @@ def fit_orders(
     best = _solved(found, factor_of(band), max(max_order, 1), len(others))
     misfit = best.chi_square > _MISFIT
     if misfit:
-        band = band + _equation_error(window, windows, found, band, max(max_order, 1), len(others))
+        band = band + _equation_error(windows, found, band, max(max_order, 1), len(others))
     factor = factor_of(band)
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
     # all reversals too late by one time: small, but no number of cycles averages it out
@@ -128,15 +128,13 @@ def _without_viscous(dry: ForceFit, usual: ForceFit) -> ForceFit:
     return replace(dry, covariance=usual.covariance[np.ix_(kept, kept)] + np.outer(changed, changed))
 
 
-def _equation_error(
-    window: ForceWindow, windows: Windows, rows: Array, band: Array, order: int, others: int
-) -> Array:
+def _equation_error(windows: Windows, rows: Array, band: Array, order: int, others: int) -> Array:
     """Covariance of the rows for a white force that the equation lacks, as strong as is most likely.
 
     Without it, rows that noise hardly touches may be believed beyond what the model can say; how much of what is
     left is noise of the channels, larger than was measured, and how much a force, the rows themselves tell.
     """
-    white = band_of(windows, windows.kernel, window.motion.rate, np.ones_like)
+    white = band_of(windows, windows.derivative(0), np.ones_like)
     unit = float(np.mean(band[0]) / np.mean(white[0]))
     best, unlikely = 0.0, np.inf
     for share in _SHARES:
@@ -186,14 +184,14 @@ def _fit(
 
 def _covariance(window: ForceWindow, windows: Windows, mu_1: float, k_1: float) -> Array:
     """Covariance of the rows: what the noise of the displacement does to both sides of the equation of motion."""
-    kernel = windows.curvature + k_1 * windows.kernel - mu_1 * windows.slope
-    w, rate = window.angular_frequency, window.motion.rate
-    band = band_of(windows, kernel, rate, _above(window.noise, w))
+    kernel = windows.derivative(2) + k_1 * windows.derivative(0) - mu_1 * windows.derivative(1)
+    w = window.angular_frequency
+    band = band_of(windows, kernel, _above(window.noise, w))
     try:
         factor_of(band)
     except np.linalg.LinAlgError:
         # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
-        return float(window.noise(np.array([w]))[0]) * band_of(windows, kernel, rate, np.ones_like)
+        return float(window.noise(np.array([w]))[0]) * band_of(windows, kernel, np.ones_like)
     return band
 
 

@@ -29,7 +29,7 @@ def direction_of(velocity: Array) -> Direction:
 
 
 def refine_reversals(
-    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float, blur: int = 0
+    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float, blur: int
 ) -> Direction:
     """Return the direction with its reversals placed by the samples an eighth of a cycle to either side.
 
@@ -72,8 +72,8 @@ def band_of_reversals(
     turns = np.flatnonzero(direction.at < 1)
     late = noise / np.maximum(np.abs(velocity[turns + 1] - velocity[turns]), noise)
     at, place, seen = _windows_over(windows, turns.astype(np.float64))
-    place = np.clip(place.astype(int), 0, len(windows.kernel) - 1)
-    share = np.where(seen, windows.kernel[place], 0) * (jump * late)[:, None]
+    place = np.clip(place.astype(int), 0, windows.length - 1)
+    share = np.where(seen, windows.derivative(0)[place], 0) * (jump * late)[:, None]
     parts = np.stack([share.real, share.imag], axis=2).reshape(len(turns), 2 * at.shape[1])
     rows = (2 * at[:, :, None] + np.arange(2)).reshape(parts.shape)
     band = np.zeros((width, 2 * len(windows.first)))
@@ -92,7 +92,7 @@ def rows_of_sign(windows: Windows, direction: Direction) -> Array:
     turns = np.flatnonzero(direction.at < 1)
     at, place, seen = _windows_over(windows, turns + direction.at[turns])
     steps = np.where(seen, 2 * direction.before[turns][:, None] * windows.integral(place), 0)
-    length = len(windows.kernel)
+    length = windows.length
     last = np.minimum(windows.first + length - 1, len(direction.before) - 1)
     turned = direction.at[last] < np.minimum(windows.first + length - 0.5 - last, 1.0)
     end = np.where(turned, -1, 1) * direction.before[last]
@@ -106,7 +106,7 @@ def _windows_over(windows: Windows, moments: Array) -> tuple[NDArray[np.int_], A
 
     Their numbers, the moment's place in each, and whether it is inside, shape (k, m) each.
     """
-    length = len(windows.kernel)
+    length = windows.length
     earliest = np.searchsorted(windows.first, moments - length + 0.5)
     number = earliest[:, None] + np.arange(length // windows.step + 1)
     known = np.minimum(number, len(windows.first) - 1)

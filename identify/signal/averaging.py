@@ -34,21 +34,18 @@ def integrate_envelope(start: float, coefficients: Array, step: float, count: in
     Fourth-order Runge-Kutta; the envelope is held at zero once it has got there.
     """
     envelope = np.empty(count)
-    slopes = np.empty(4)
     k = start
     for i in range(count):
         envelope[i] = k
-        for stage in range(4):
-            at = k
-            if stage == 1 or stage == 2:
-                at = k + 0.5 * step * slopes[stage - 1]
-            elif stage == 3:
-                at = k + step * slopes[2]
-            total = 0.0
+        slope, total = 0.0, 0.0
+        for share, weight in ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)):
+            at = k + share * step * slope
+            loss = 0.0
             for c in coefficients[::-1]:
-                total = total * at + c
-            slopes[stage] = -total
-        k += step * (slopes[0] + 2 * slopes[1] + 2 * slopes[2] + slopes[3]) / 6
+                loss = loss * at + c
+            slope = -loss
+            total += weight * slope
+        k += step * total / 6
         if k < 0.0 or k > 10.0 * start:
             k = min(max(k, 0.0), 10.0 * start)
     return envelope

@@ -16,20 +16,12 @@ import numpy as np
 
 from identify.algebra import banded_cholesky, solve_factored
 from identify.arrays import Array
-from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
+from identify.signal.fractional_delay import lagrange_slope_taps, lagrange_taps, split_shift
 from identify.signal.smoothing import smooth
 
-AVERAGES = {
-    2: (-2, np.array([-1.0, 24.0, 194.0, 24.0, -1.0]) / 240.0),
-    1: (-2, np.array([11.0, -93.0, 802.0, 802.0, -93.0, 11.0]) / 1440.0),
-}
-"""First offset and weights of N: the mean of the higher channel over the difference (Numerov 1924; Stoermer)."""
-
+_STEPS = 8
 _SLOW_TERMS = 2
 """Coefficients of the slow offset: it is a straight line."""
-
-DIFFERENCES = {2: (-1, np.array([1.0, -2.0, 1.0])), 1: (0, np.array([-1.0, 1.0]))}
-"""First offset and weights of the difference of the lower channel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +77,16 @@ class Stencil(NamedTuple):
         return np.ascontiguousarray((windows @ products).T)
 
 
+AVERAGES = {
+    2: Stencil(-2, np.array([-1.0, 24.0, 194.0, 24.0, -1.0]) / 240.0),
+    1: Stencil(-2, np.array([11.0, -93.0, 802.0, 802.0, -93.0, 11.0]) / 1440.0),
+}
+"""N: the mean of the higher channel over the difference (Numerov 1924; Stoermer), by the order of the pair."""
+
+DIFFERENCES = {2: Stencil(-1, np.array([1.0, -2.0, 1.0])), 1: Stencil(0, np.array([-1.0, 1.0]))}
+"""The difference of the lower channel, by the order of the pair."""
+
+
 @dataclass(frozen=True, eq=False)
 class Agreement:
     """The most likely relation of a pair near one lag and gain.
@@ -103,47 +105,35 @@ class Agreement:
     degrees: int
 
 
-def difference(order: int, rate: float, fraction: float, whole: int) -> Stencil:
-    """Return H: the difference of the lower channel `whole + fraction` samples later, per s^order."""
-    first, taps = DIFFERENCES[order]
-    if fraction == 0.0:
-        return Stencil(first + whole, taps * rate**order)
-    return Stencil(first + whole - HALF_WIDTH, np.convolve(lagrange_taps(fraction), taps) * rate**order)
-
-
-def difference_slope(order: int, rate: float, fraction: float, whole: int) -> Stencil:
-    """Return the derivative of H with respect to the lag, per s^(order + 1)."""
-    first, taps = DIFFERENCES[order]
+def difference(pair: Pair, whole: int, interpolation: Array) -> Stencil:
+    """Return H: the difference of the lower channel, read `whole` samples later under (odd) weights, per s^order."""
+    first, taps = DIFFERENCES[pair.order]
     return Stencil(
-        first + whole - HALF_WIDTH, np.convolve(lagrange_slope_taps(fraction), taps) * rate ** (order + 1)
+        first + whole - len(interpolation) // 2, np.convolve(interpolation, taps) * pair.rate**pair.order
     )
 
 
-def agree(
-    pair: Pair, lag: float, gain: float, *, free: bool = True, steps: int = 4, corner: float = 0.5
-) -> Agreement:
-    """Return the maximum-likelihood gain and lag (if `free`) and slow offset of a pair.
+def agree(pair: Pair, lag: float, gain: float, corner: float | None = None) -> Agreement:
+    """Return the maximum-likelihood slow offset of a pair, and its gain and lag, where a `corner` sets them free.
 
-    Gauss-Newton on r' C^-1 r with C the covariance at the present lag and gain. The columns for gain and
-    lag are made from the smoothed motion, which makes this the exact gradient with the true motion profiled
-    out (errors in variables) and keeps the noise of the channels out of the regressors.
+    The corner (cycles per sample) is that of the motion by which gain and lag are read. Gauss-Newton on r' C^-1 r with C
+    the covariance at the present lag and gain. The columns for gain and lag are made from the smoothed motion, which makes
+    this the exact gradient with the true motion profiled out (errors in variables) and keeps the noise of the channels out
+    of the regressors.
     """
     n = len(pair.low)
     time = np.linspace(-1.0, 1.0, n)
-    smooth_low = agree(pair, lag, gain, free=False).low if free else pair.low
-    result: Agreement | None = None
-    for _ in range(steps if free else 1):
+    smooth_low = pair.low if corner is None else agree(pair, lag, gain).low
+    for _ in range(_STEPS):
         whole, fraction = split_shift(lag * pair.rate)
-        h = difference(pair.order, pair.rate, fraction, whole)
-        average = Stencil(*AVERAGES[pair.order])
+        h = difference(pair, whole, lagrange_taps(fraction) if fraction else np.ones(1))
+        average = AVERAGES[pair.order]
         rows = _rows(n, h, average)
         slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
         columns = slow
-        if free:
-            slope, quiet = (
-                difference_slope(pair.order, pair.rate, fraction, whole),
-                smooth(smooth_low, corner),
-            )
+        if corner is not None:
+            slope = difference(pair, whole, lagrange_slope_taps(fraction) * pair.rate)
+            quiet = smooth(smooth_low, corner)
             columns = np.column_stack([h.apply(quiet, rows), gain * slope.apply(quiet, rows), slow])
         averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
         residual = averages - gain * h.apply(pair.low, rows)
@@ -155,19 +145,16 @@ def agree(
         score = solve_factored(factor, misfit)
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
-        offset = time[:, None] ** np.arange(_SLOW_TERMS) @ (change[2:] if free else change)
+        offset = time[:, None] ** np.arange(_SLOW_TERMS) @ change[-_SLOW_TERMS:]
         degrees = len(rows) - columns.shape[1]
-        result = Agreement(
-            gain, lag, covariance, smooth_low, smooth_high - offset, float(misfit @ score), degrees
-        )
-        if free:
-            gain, lag = gain + float(change[0]), lag + float(change[1])
-            result = replace(result, gain=gain, lag=lag)
-            if abs(change[1]) < 1e-3 * np.sqrt(covariance[1, 1]) and abs(change[0]) < 1e-3 * np.sqrt(
-                covariance[0, 0]
-            ):
-                break
-    assert result is not None
+        high = smooth_high - offset
+        result = Agreement(gain, lag, covariance, smooth_low, high, float(misfit @ score), degrees)
+        if corner is None:
+            break
+        gain, lag = gain + float(change[0]), lag + float(change[1])
+        result = replace(result, gain=gain, lag=lag)
+        if np.all(np.abs(change[:2]) < 1e-3 * np.sqrt(np.diag(covariance)[:2])):
+            break
     return result
 
 

@@ -61,7 +61,7 @@ def slope(values: Array, rate: float) -> Array:
 
 
 def smooth_to_noise(
-    values: Array, noise: float, frequency: float, known: Mask | None = None, *, loud: bool = False
+    values: Array, noise: float, frequency: float, known: Mask, *, loud: bool = False
 ) -> tuple[Array, float]:
     """Return the smooth of `values` with the lowest corner that leaves no more than the noise, and that corner.
 
@@ -70,14 +70,13 @@ def smooth_to_noise(
     falls any more: a motion's harmonics fall quickly, if only as the jumps of dry friction do, a sensor drifts slowly.
     Of a `loud` channel it starts where the oscillation loses a tenth of the noise: closer by, noise is all that is added.
     """
-    weights = np.ones(len(values), dtype=bool) if known is None else known
-    size = np.sqrt(2.0) * float(np.std(values[weights]))
+    size = np.sqrt(2.0) * float(np.std(values[known]))
     corner = frequency * (min(5.0, max((10.0 * size / noise) ** 0.125, 1.5)) if loud else 5.0)
     smoothed = smooth(values, corner, known)
-    misfit = _rms((values - smoothed)[weights])
+    misfit = _rms((values - smoothed)[known])
     while corner < 0.3 and misfit > 1.04 * noise:
         closer = smooth(values, _RISE * corner, known)
-        left = _rms((values - closer)[weights])
+        left = _rms((values - closer)[known])
         if left > _DRIFTS * misfit:
             break
         corner, smoothed, misfit = _RISE * corner, closer, left

@@ -28,10 +28,9 @@ def strongest_lines(
         if power[at] <= 0.0:
             break
         f = frequency[at]
-        if 0 < at < len(power) - 1:
-            a, b, c = np.sqrt(power[at - 1 : at + 2])
-            bend = a - 2.0 * b + c
-            f += 0.5 * (a - c) / bend * (frequency[1] - frequency[0]) if bend < 0.0 else 0.0
+        a, b, c = np.sqrt(power[at - 1 : at + 2])
+        bend = a - 2.0 * b + c
+        f += 0.5 * (a - c) / bend * (frequency[1] - frequency[0]) if bend < 0.0 else 0.0
         waves = np.column_stack([np.sin(2 * np.pi * f * clock), np.cos(2 * np.pi * f * clock)])
         sine, cosine = np.linalg.lstsq(waves * taper[:, None], left * taper, rcond=None)[0]
         left = left - waves @ np.array([sine, cosine])

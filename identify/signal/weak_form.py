@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from identify.algebra import banded_cholesky
 from identify.arrays import Array, Mask
-from identify.signal.morlet import Complex
+from identify.signal.harmonic_windows import Complex
 
 WINDOW_CYCLES = 2.0
 ROWS_PER_CYCLE = 4
@@ -26,33 +26,36 @@ _JITTER = 1e-4  # of the rows' variance: neighbouring windows share most of thei
 _TAIL = 4  # steps over which coloured noise of two windows that no longer overlap may still agree
 
 
+_WAVES = ((0, 3 / 8), (1, -1 / 4), (-1, -1 / 4), (2, 1 / 16), (-2, 1 / 16))
+"""W = sin^4 as a sum of exponentials: turns over the length of the window, and their shares."""
+
+
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Windows of one length that start at samples `first` (w,), multiples of `step`.
+    """Windows of `length` samples that start at samples `first` (w,), multiples of `step`.
 
-    `kernel`, `slope`, `curvature` are phi and its derivatives, complex, shape (l,); `turn` is the angular
-    frequency in rad/sample.
+    `turn` is the angular frequency in rad/sample, `rate` in Hz. The window times its wave is five exponentials.
     """
 
     first: NDArray[np.int_]
     step: int
-    kernel: Complex
-    slope: Complex
-    curvature: Complex
+    length: int
     turn: float
+    rate: float
+
+    def derivative(self, order: int) -> Complex:
+        """Return phi, or a derivative of it, at the window's samples, per s^order, shape (l,)."""
+        run = np.arange(self.length) + 0.5
+        return self._sum(lambda beta: (1j * beta * self.rate) ** order * np.exp(1j * beta * run))
 
     def integral(self, place: Array) -> Complex:
-        """Return the integral of phi from its start to `place` (samples from the window's first), any shape.
-
-        sin^4 is five exponentials, and so is its product with the wave.
-        """
-        length = len(self.kernel)
+        """Return the integral of phi from its start to `place` (samples from the window's first), any shape."""
         run = place + 0.5
-        total = np.zeros(np.shape(place), dtype=np.complex128)
-        for wave, share in ((0, 3 / 8), (1, -1 / 4), (-1, -1 / 4), (2, 1 / 16), (-2, 1 / 16)):
-            beta = 2 * np.pi * wave / length - self.turn
-            total += share * run * np.exp(0.5j * beta * run) * np.sinc(beta * run / (2 * np.pi))
-        return np.asarray(total * np.exp(0.5j * self.turn * length))
+        return self._sum(lambda beta: run * np.exp(0.5j * beta * run) * np.sinc(beta * run / (2 * np.pi)))
+
+    def _sum(self, part: Callable[[float], Complex]) -> Complex:
+        parts = [share * part(2 * np.pi * wave / self.length - self.turn) for wave, share in _WAVES]
+        return np.asarray(np.sum(parts, axis=0) * np.exp(0.5j * self.turn * self.length))
 
 
 def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows:
@@ -60,24 +63,10 @@ def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows
     cycle = 2 * np.pi * rate / angular_frequency
     length = max(8, round(WINDOW_CYCLES * cycle))
     step = max(1, round(cycle / ROWS_PER_CYCLE))
-    angle = np.pi * (np.arange(length) + 0.5) / length
-    turn = np.pi * rate / length
-    window = np.sin(angle) ** 4
-    slope = 4 * np.sin(angle) ** 3 * np.cos(angle) * turn
-    curvature = (12 * np.sin(angle) ** 2 * np.cos(angle) ** 2 - 4 * np.sin(angle) ** 4) * turn**2
-    w = angular_frequency
-    wave = np.exp(-1j * w * (np.arange(length) - 0.5 * (length - 1)) / rate)
     lost = np.concatenate([[0], np.cumsum(~valid)])
     first = np.arange(0, max(len(valid) - length + 1, 0), step)
     first = first[lost[first + length] == lost[first]]
-    return Windows(
-        first,
-        step,
-        window * wave,
-        (slope - 1j * w * window) * wave,
-        (curvature - 2j * w * slope - w**2 * window) * wave,
-        w / rate,
-    )
+    return Windows(first, step, length, angular_frequency / rate, rate)
 
 
 def rows_of(windows: Windows, kernel: Complex, columns: Array) -> Array:
@@ -87,7 +76,7 @@ def rows_of(windows: Windows, kernel: Complex, columns: Array) -> Array:
     return sums.transpose(1, 2, 0).reshape(-1, len(columns))
 
 
-def band_of(windows: Windows, kernel: Complex, rate: float, spectrum: Callable[[Array], Array]) -> Array:
+def band_of(windows: Windows, kernel: Complex, spectrum: Callable[[Array], Array]) -> Array:
     """Return the covariance of the rows for noise summed under `kernel` (l,), in lower banded form.
 
     `spectrum` gives the variance of a sample by angular frequency (rad/s); white noise is a constant.
@@ -95,7 +84,7 @@ def band_of(windows: Windows, kernel: Complex, rate: float, spectrum: Callable[[
     overlap = (len(kernel) - 1) // windows.step + _TAIL
     width = 2 * (overlap + 1)
     length = 1 << (2 * (len(kernel) + (_TAIL + 1) * windows.step)).bit_length()
-    level = spectrum(np.abs(2 * np.pi * fft.fftfreq(length, 1 / rate)))
+    level = spectrum(np.abs(2 * np.pi * fft.fftfreq(length, 1 / windows.rate)))
     parts = (fft.fft(kernel.real, length), fft.fft(kernel.imag, length))
     apart = np.arange(overlap + 1) * windows.step
     # shared[a, b, d]: covariance of part a of a window with part b of the window d steps later
@@ -143,9 +132,7 @@ def factor_of(band: Array) -> Array:
 def solve(white: Array, right: Array) -> LeastSquares:
     """Solve whitened rows (m, p) c = `right` (m,) by SVD, as the paper does eq. (17)."""
     scale = np.linalg.norm(white, axis=0) + 1e-300
-    left, singular, across = np.linalg.svd(white / scale, full_matrices=False)
-    kept = np.where(singular > 1e-10 * singular[0], 1 / singular, 0.0)
-    inverse = (across.T * kept) @ left.T / scale[:, None]
+    inverse = np.linalg.pinv(white / scale, rcond=1e-10) / scale[:, None]
     values = inverse @ right
     residual = right - white @ values
     degrees = max(1, len(right) - white.shape[1])

@@ -100,8 +100,14 @@ def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...
     columns = np.concatenate([np.ones((1, len(phase))), cumulative(powers, step)]).T
     units = np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])
     gain = weighted_inverse(columns.T, envelope * weight) / units[:, None]
-    reference = phase - phase[0]
-    parameters = gain @ reference
-    fit = (columns * units) @ parameters
+    parameters = gain @ (phase - phase[0])
     parameters[0] += phase[0]
-    return PhaseFit(parameters, fit + phase[0], gain)
+    return PhaseFit(parameters, phase_model(parameters, envelope, step, orders), gain)
+
+
+def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
+    """Return phi(0) + sum d_i int k^(i-1) dt at the points of `envelope` (m,)."""
+    slopes = np.zeros(len(envelope))
+    for order, slope in zip(orders, parameters[1:], strict=True):
+        slopes += slope * envelope ** (order - 1)
+    return np.asarray(parameters[0] + cumulative(slopes, step))

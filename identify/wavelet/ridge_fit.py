@@ -7,6 +7,7 @@ what the transform then shows beyond the averaged model is taken off the measure
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, pi, sqrt
 
 import numpy as np
@@ -18,11 +19,10 @@ from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.errors import NotIdentifiable
 from identify.model.simulate import Response, make_system, simulate
 from identify.signal.averaging import backbone_factors, envelope_factors
-from identify.signal.morlet import Ridge, prepare_ridge, transform
+from identify.signal.harmonic_windows import HarmonicWindows
 from identify.wavelet.envelope import (
     EnvelopeFit,
     PhaseFit,
-    cumulative,
     fit_envelope,
     fit_phase,
     solve_integrated,
@@ -30,6 +30,7 @@ from identify.wavelet.envelope import (
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
+_REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 _MOST_POINTS = 400
 _SETTLED = 0.05
 _ROUNDS = 30
@@ -64,7 +65,7 @@ class Observed:
     derivatives: int
     angular_frequency: float
     noise: float
-    ridge: Ridge
+    ridge: HarmonicWindows
     points: NDArray[np.int_]
     weight: Array
     variance: Array
@@ -77,23 +78,33 @@ class Observed:
     @property
     def independent(self) -> float:
         """Number of independent points: the window's noise is correlated over 2 sqrt(pi) widths."""
-        return float(len(self.samples) / (2 * np.sqrt(np.pi) * self.ridge.width) + 1)
+        width = WIDTH_CYCLES * 2 * np.pi * self.rate / self.angular_frequency
+        return float(len(self.samples) / (2 * np.sqrt(np.pi) * width) + 1)
+
+    def seen(self, samples: Array) -> tuple[Array, Array, Array]:
+        """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
+        p, q, _ = self.ridge(samples)
+        envelope = np.abs(p) / self.angular_frequency**self.derivatives
+        expected = self.angular_frequency * self.points / self.rate
+        phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - self.derivatives * np.pi / 2
+        slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
+        return envelope, phase, slope + self.angular_frequency
+
+    @cached_property
+    def measured(self) -> tuple[Array, Array, Array]:
+        """Envelope, phase and frequency of the channel itself, with the bias of the transform."""
+        return self.seen(self.samples)
 
 
 @dataclass(frozen=True, eq=False)
 class RidgeFit:
-    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
-
-    `bias_envelope` and `bias_phase` are what was taken off.
-    """
+    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,)."""
 
     envelope_fit: EnvelopeFit
     phase_fit: PhaseFit
     stiffness_orders: tuple[int, ...]
     envelope: Array
     phase: Array
-    bias_envelope: Array
-    bias_phase: Array
 
     @property
     def order(self) -> int:
@@ -108,35 +119,26 @@ def observe(
     cycle = 2 * np.pi * rate / angular_frequency
     every = max(1, int(cycle / POINTS_PER_CYCLE), -(-len(samples) // _MOST_POINTS))
     points = np.arange(0, len(samples), every)
-    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle, points)
-    inside = np.sqrt(np.pi) * ridge.width
-    widening = np.trace(ridge.solution[:, :2, 1:3], axis1=1, axis2=2) / 2
-    widening = np.maximum(widening * np.sqrt(2 * np.pi) * ridge.width / 2, 1.0)
-    variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    width = WIDTH_CYCLES * cycle
+    ridge = HarmonicWindows.over(
+        valid,
+        rate,
+        points / rate,
+        (ceil(_REACH * width) + 0.5) / rate,
+        np.full(len(points), angular_frequency),
+        lambda s: np.exp(-0.5 * (s * rate / width) ** 2),
+        drift=False,
+    )
+    widening = np.maximum(ridge.spread * np.sqrt(2 * np.pi) * width / 2, 1.0)
+    variance = (
+        noise**2 / (np.sqrt(np.pi) * width) * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    )
     weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
     if not weight.any():
         raise NotIdentifiable("too many samples are lost over the whole motion to follow its envelope")
     return Observed(
         samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance
     )
-
-
-def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
-    """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
-    p, q = transform(observed.ridge, samples)
-    envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
-    expected = observed.angular_frequency * observed.points / observed.rate
-    phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
-    slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
-    return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
-
-
-def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
-    """Return phi(0) + sum d_i int k^(i-1) dt at the points of `envelope` (m,), as `fit_phase` fits it."""
-    slopes = np.zeros(len(envelope))
-    for order, slope in zip(orders, parameters[1:], strict=True):
-        slopes += slope * envelope ** (order - 1)
-    return np.asarray(parameters[0] + cumulative(slopes, step))
 
 
 def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
@@ -148,8 +150,11 @@ def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
     return dict(zip(orders, map(float, sizes), strict=True)) | {1: float(w**2)}, damping
 
 
-def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
-    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
+def exact_decay(observed: Observed, fit: RidgeFit) -> Array:
+    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway.
+
+    Returns what the channel would read, (n,).
+    """
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
     phase, frequency = fit.phase_fit.parameters[:2]
@@ -157,9 +162,10 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Response:
         raise RunsAway
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
-    return simulate_decay(
+    decay = simulate_decay(
         amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
     )
+    return (decay.displacement, decay.velocity, decay.acceleration)[observed.derivatives]
 
 
 def simulate_decay(
@@ -197,27 +203,20 @@ def simulate_decay(
     return motion
 
 
-def channel_of(decay: Response, derivatives: int) -> Array:
-    """Return the displacement, velocity or acceleration of a computed decay."""
-    return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
-
-
 def seen_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return envelope and phase (m,) that the transform shows of the exact decay of a fit; it may raise RunsAway."""
-    decay = channel_of(exact_decay(observed, fit), observed.derivatives)
-    envelope, phase, _ = envelope_and_phase(observed, decay)
+    envelope, phase, _ = observed.seen(exact_decay(observed, fit))
     turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
     return envelope, phase - 2 * np.pi * turns
 
 
 def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
     """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
-    envelope, phase, _ = envelope_and_phase(observed, observed.samples)
-    zero = np.zeros(len(envelope))
+    envelope, phase, _ = observed.measured
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
     phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
+    return RidgeFit(fitted, phases, orders, envelope, phase)
 
 
 def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
@@ -239,18 +238,19 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     the first does.
     """
     sound, least = fit, np.inf
+    raw_envelope, raw_phase, _ = observed.measured
     for at in range(_ROUNDS):
         try:
-            seen, phase = seen_of(observed, fit)
+            seen_envelope, seen_phase = seen_of(observed, fit)
         except RunsAway:
             if not at:
                 raise
             return sound
-        bias_envelope, bias_phase = seen - fit.envelope_fit.fit, phase - fit.phase_fit.fit
-        more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
-        envelope, phases = fit.envelope - more, fit.phase - later
+        envelope = raw_envelope - (seen_envelope - fit.envelope_fit.fit)
+        phase = raw_phase - (seen_phase - fit.phase_fit.fit)
         size = np.abs(envelope)
-        change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
+        change = np.maximum(np.abs(envelope - fit.envelope), np.abs(phase - fit.phase) * size)
+        change *= observed.weight > 0
         largest = float(np.max(change / np.sqrt(observed.variance)))
         if largest > _ASTRAY * least:
             return sound
@@ -261,11 +261,9 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
             envelope_fit=fit_envelope(
                 envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1
             ),
-            phase_fit=fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight),
+            phase_fit=fit_phase(phase, size, observed.step, fit.stiffness_orders, observed.weight),
             envelope=envelope,
-            phase=phases,
-            bias_envelope=bias_envelope,
-            bias_phase=bias_phase,
+            phase=phase,
         )
         if largest < _SETTLED:
             break

@@ -13,9 +13,9 @@ import numpy as np
 from identify.arrays import Array
 from identify.signal.averaging import integrate_envelope
 from identify.signal.covariance import misfit_covariance
-from identify.signal.morlet import Complex, weights_on_samples
-from identify.wavelet.envelope import EnvelopeFit, PhaseFit
-from identify.wavelet.ridge_fit import Observed, RidgeFit, phase_model, seen_of
+from identify.signal.harmonic_windows import Complex
+from identify.wavelet.envelope import EnvelopeFit, PhaseFit, phase_model
+from identify.wavelet.ridge_fit import Observed, RidgeFit, seen_of
 
 
 def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
@@ -26,7 +26,7 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """
     gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
     cut = len(gain)
-    on_points = np.concatenate([gain + 0j, 1j * phase_gain / _amplitude(fit)]) * _turn(observed, fit)
+    on_points = np.concatenate([gain + 0j, 1j * phase_gain / _amplitude(fit)]) * _turn(observed)
     covariance = _carried(observed, on_points)
     spread = np.sqrt(observed.variance)
     covariance[:cut, :cut] += _misfit(observed, fit.envelope - fit.envelope_fit.fit, spread, gain, cut)
@@ -58,7 +58,7 @@ def clearances_of(
     """Count the standard errors between zero and each trial's highest damping, or stiffness where of the `phase`."""
     gains = np.stack([trial.gain[-1] for trial in trials])
     measured, spread = fit.envelope, np.sqrt(observed.variance)
-    on_points = gains * _turn(observed, fit)
+    on_points = gains * _turn(observed)
     if phase:
         measured, spread = fit.phase, spread / _amplitude(fit)
         on_points = 1j * on_points / _amplitude(fit)
@@ -81,13 +81,13 @@ def _amplitude(fit: RidgeFit) -> Array:
     return np.asarray(np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope))))
 
 
-def _turn(observed: Observed, fit: RidgeFit) -> Complex:
-    scale = observed.angular_frequency**observed.derivatives
-    return np.asarray(np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale)
+def _turn(observed: Observed) -> Complex:
+    scale, (_, phase, _) = observed.angular_frequency**observed.derivatives, observed.measured
+    return np.asarray(np.exp(1j * (phase + observed.derivatives * np.pi / 2)) / scale)
 
 
 def _carried(observed: Observed, on_points: Complex) -> Array:
-    rows = weights_on_samples(observed.ridge, on_points)
+    rows = observed.ridge.weights_on_samples(on_points, len(observed.samples))
     return observed.noise**2 * rows @ rows.T
 
 

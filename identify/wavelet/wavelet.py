@@ -25,8 +25,6 @@ from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
     RunsAway,
-    channel_of,
-    envelope_and_phase,
     exact_decay,
     first_fit,
     free_of_bias,
@@ -194,8 +192,7 @@ def _result(
 ) -> WaveletResult:
     per_mass, damping = _estimates(decay, observed, fit, viscous=viscous)
     stiffness = with_mass(decay, per_mass)
-    computed = exact_decay(observed, fit)
-    reconstruction = channel_of(computed, observed.derivatives)
+    reconstruction = exact_decay(observed, fit)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
     time = begins + np.arange(len(observed.samples)) / decay.rate
     ridge = _curves(observed, fit, reconstruction)
@@ -253,8 +250,8 @@ def _curves(observed: Observed, fit: RidgeFit, reconstruction: Array) -> dict[st
     averaged = np.zeros(len(every))
     for order, slope in zip(fit.stiffness_orders, fit.phase_fit.parameters[1:], strict=True):
         averaged += slope * model ** (order - 1) / (2 * np.pi)
-    measured, _, frequency = envelope_and_phase(observed, observed.samples)
-    seen, _, seen_frequency = envelope_and_phase(observed, reconstruction)
+    measured, _, frequency = observed.measured
+    seen, _, seen_frequency = observed.seen(reconstruction)
     beyond = (frequency - seen_frequency) / (2 * np.pi)
     return {
         "envelope": model + np.interp(every, points, measured - seen),
@@ -270,5 +267,5 @@ def _scalogram(observed: Observed) -> tuple[Array, Array, Array]:
     ladder = ladder[ladder < 0.5 * observed.rate]
     coarse = max(1, int(observed.rate / (6 * ladder[-1])))
     averaged = block_means(bridge(observed.samples, observed.valid), coarse)
-    modulus, columns = scalogram(averaged, observed.rate / coarse, ladder, 200, 1.0)
+    modulus, columns = scalogram(averaged, observed.rate / coarse, ladder)
     return modulus, ladder, columns

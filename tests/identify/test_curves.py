@@ -138,12 +138,12 @@ def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat
 def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_two():
     time = np.arange(60.0)
     whole = DecayCurve(time, np.exp(-0.05 * time), 8.0 * time, 0 * time, 0 * time)
-    large, middle, small = (whole.part(cut.start, cut.stop) for cut in cut_by_amplitude(whole))
+    large, middle, small = (whole.part(cut) for cut in cut_by_amplitude(whole))
     assert large.amplitude[-1] == middle.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 3), rel=0.03)
     assert middle.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 118 / 3), rel=0.03)
 
     def lengths(points):
-        return [len(range(points)[cut]) for cut in cut_by_amplitude(whole.part(0, points))]
+        return [len(range(points)[cut]) for cut in cut_by_amplitude(whole.part(slice(points)))]
 
     assert lengths(16) == [6, 6, 6]
     assert lengths(15) == [8, 8]

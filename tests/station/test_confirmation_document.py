@@ -29,7 +29,7 @@ NONE = np.zeros(0)
 
 def held(*errors: tuple[float, float], one_record: bool = False) -> HeldOut:
     """Return errors of the envelope and of the phase, a pair a part."""
-    parts = tuple(MotionError(envelope, phase, 0.0) for envelope, phase in errors)
+    parts = tuple(MotionError(envelope, phase) for envelope, phase in errors)
     return HeldOut(NONE, parts, one_record)
 
 
