@@ -355,8 +355,7 @@ def _curves(baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple
     forces = Model(baseline.fit.model.forces)
     terms = candidate_terms(baseline.fit.model, library, whole[0].window)
     known = {name: estimate.value for name, estimate in baseline.fit.parameters.items()}
-    largest = max(whole, key=lambda decay: decay.amplitude)
-    return Curves(whole, forces, known, terms, scales_of(largest, {}))
+    return Curves(whole, forces, known, terms, scales_of(whole[0], {}))
 
 
 def refine(

@@ -9,7 +9,6 @@ from identify.curves.confirm import Curves
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
-from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent, removed_percent
 from identify.judging.beside_walk import named_with_walk, weighed, with_walk
 from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
@@ -17,7 +16,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rivals_of
 from identify.judging.several_effects import Several, several_effects
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import Candidate, residual_lines, score_candidate
+from identify.judging.suspects import Candidate, score_candidate
 from identify.judging.verdict import Judgement, verdict_of
 
 
@@ -111,8 +110,7 @@ def _judged(
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
     """Name several effects, the one that is best alone first; a law of a free exponent was not tried alone."""
     if not any(entry.name in found.names for entry in ranked):
-        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-        law = score_candidate(found.fit, baseline.fit, found.terms[0], scales)
+        law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
         ranked = (replace(law, claimed=True), *ranked)
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)

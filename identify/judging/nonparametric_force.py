@@ -105,8 +105,7 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
 
 def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
     """Fit the free form to the residual of a fit, along the release of the largest amplitude."""
-    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
-    return nonparametric_force(largest, force_along_motion(largest, found))
+    return nonparametric_force(baseline.largest, force_along_motion(baseline.largest, found))
 
 
 def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
@@ -237,7 +236,7 @@ def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
         raise NotIdentifiable(
             "the residual follows no curve in displacement, velocity or time, so there is none to add"
         )
-    prepared = max(baseline.decays, key=lambda decay: decay.amplitude)
+    prepared = baseline.largest
     factor, over = _FORMS[shape.coordinates[0]]
     form = _over_the_motion(prepared, factor, over)
     weights = _regressed(prepared, prepared.restoring - force_along_motion(prepared, baseline.fit), form)

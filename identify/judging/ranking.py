@@ -13,8 +13,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import scales_of
-from identify.judging.suspects import Candidate, residual_lines
+from identify.judging.suspects import Candidate
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
@@ -37,9 +36,8 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     A candidate is claimed where it is improbable that nothing is missing, if it is better than nothing by as much.
     """
     widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     nats = [
-        evidence(baseline.fit, c.fit, scales, widened) + at_rest(baseline.decays, c.fit, c.term)
+        evidence(baseline.fit, c.fit, baseline.scales, widened) + at_rest(baseline.decays, c.fit, c.term)
         for c in tried
     ]
     doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS

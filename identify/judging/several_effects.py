@@ -12,7 +12,7 @@ import numpy as np
 
 from identify.effects.effect import Effect
 from identify.evidence import evidence
-from identify.fitting.baseline import Baseline
+from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.segments import first_cycles
@@ -24,7 +24,6 @@ from identify.judging.suspects import (
     candidate_terms,
     is_plausible,
     laws_of_free_exponent,
-    residual_lines,
     score_candidate,
     try_terms,
 )
@@ -126,7 +125,7 @@ def _reaching(
     laws = laws_of_free_exponent(baseline, [candidate.name for candidate in tried], goal)
     reaching = (law for law in laws if law.plausible and baseline.adequate(law.fit))
     yield from (Several(law.fit, (law.term,)) for law in reaching)
-    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    largest = baseline.largest
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
     scales = scales_of(largest, residual_lines(baseline.fit))
     pairs, triples = promising_sets(largest, baseline.fit.model, terms, scales)
@@ -140,7 +139,7 @@ def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator
 
     Where none does, the one that leaves least begins anew from other values before it is given up.
     """
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    scales = baseline.scales
     found = [_fitted(baseline, one) for one in sets]
     reaching = [one for one in found if baseline.adequate(one.fit)]
     if found and not reaching:
@@ -153,7 +152,7 @@ def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator
 
 def _makes_sense(baseline: Baseline, found: Fit, term: Term) -> bool:
     """Check that each of several effects has plausible values, and that the rest before the releases allows it."""
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    scales = baseline.scales
     return is_plausible(found, term, scales) and at_rest(baseline.decays, found, term) > DENIED
 
 
