@@ -28,9 +28,6 @@ from identify.priors import LARGE
 _MOST_ALTERNATIVES = 4
 """Alternatives that are listed; of more the rest is counted."""
 
-_NEARLY = 0.5
-"""Share of what the named effect takes away that another must take, where the model is at the floor without either."""
-
 _LESSER_PART = 0.5
 """Share of the misfit's power up to which a sensor's fault that is named is the lesser part of it."""
 
@@ -214,24 +211,17 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     tried = [s for s in others if s.corrected is None]
     tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
-        return _beside_the_floor(baseline, top, tied)
+        return "The model reaches the floor without it, too: the named effect is small."
     if tied:
         return f"{_listed(tied)} would reach the floor too, with less evidence."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
-    name = plain_name(best.effect.name)
-    which = f"The next best, {name}," if best.error_after >= top.error_after else f"Less simple, {name}"
-    return f"{which} would explain {share_words(share)} of it and leave {_times_the_noise(best.error_after)}."
-
-
-def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:
-    """Say which effects lower the misfit as much, where the model reaches the floor without any of them."""
-    before = baseline.reduced(baseline.fit)
-    near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
-    also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
-    return f"The model reaches the floor without it, too: the named effect is small{also}."
+    return (
+        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leave "
+        f"{_times_the_noise(best.error_after)}."
+    )
 
 
 def _listed(suspects: list[Suspect]) -> str:
