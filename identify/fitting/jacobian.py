@@ -75,13 +75,6 @@ def _as_shared(problem: Problem, skip: Mask | None) -> dict[int, int]:
     return {j: at for j, at in places.items() if skip is None or not (skip[j] or skip[at])}
 
 
-def take_steps(problem: Problem, other: Problem) -> None:
-    """Take over the steps of differentiation that another problem has found for unknowns of the same name."""
-    for at, unknown in enumerate(problem.unknowns):
-        if unknown.name in other.index:
-            problem.steps[at] = other.steps[other.index[unknown.name]]
-
-
 def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
     """Adapt the step of unknown j to the rms change that it made; return whether the difference must be repeated."""
     wanted = _READABLE / moved if moved > 0.0 else inf

@@ -12,7 +12,7 @@ from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.judging.beginning import Beginning, begin
-from identify.judging.linear_gain import LINEAR_UP_TO, Slope
+from identify.judging.linear_gain import Slope, is_near
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -90,11 +90,11 @@ def try_terms(
     of the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    near = Slope.of(base) if base.reduced < LINEAR_UP_TO else None
+    slope = Slope.of(base) if by_gain and is_near(base) else None
     whole = 2 * len(terms)
     begun: list[Beginning] = []
     for done, term in enumerate(terms, 1):
-        begun += begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
+        begun += begin(decays, base, slope, term, scales, goal or 0.0)
         counted(done, whole)
     begun.sort(key=lambda beginning: beginning.cost)
     whole = len(terms) + len(begun)
