@@ -3,7 +3,12 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.explain_prediction import explain_confirmed, explain_driven, explain_unconfirmed
+from identify.diagnosis.explain_prediction import (
+    explain_confirmed,
+    explain_driven,
+    explain_unconfirmed,
+    explained,
+)
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES, Family
 from identify.fitting.baseline import Baseline
@@ -215,7 +220,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if tied:
         return f"{_listed(tied)} would reach the floor too, with less evidence."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
-    share = 0.0 if best is None else _explained(baseline, best)
+    share = 0.0 if best is None else explained(best, baseline.reduced(baseline.fit))
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
     return (
@@ -229,12 +234,6 @@ def _listed(suspects: list[Suspect]) -> str:
     shown = [f"{plain_name(s.effect.name)} ({_times_the_noise(s.error_after)})" for s in first]
     more = len(suspects) - len(shown)
     return "; ".join([*shown, f"{more} more"] if more else shown)
-
-
-def _explained(baseline: Baseline, suspect: Suspect) -> float:
-    """Return the share, 0 to 1, of the misfit above the noise that a suspect explains."""
-    before = baseline.reduced(baseline.fit)
-    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def _times_the_noise(reduced: float) -> str:
@@ -268,10 +267,11 @@ def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
 
 def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
     """State how much the model leaves and how much of it named effects explain, each alone."""
-    whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
+    before = baseline.reduced(baseline.fit)
+    whole = _left(baseline, baseline.fit, before)
     floor = f"where the floor is {floor_of(baseline)}"
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
-    most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
+    most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
         rest = "the residual has no name"
         if baseline.adequate(most[0].fit):
