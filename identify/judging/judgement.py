@@ -44,7 +44,7 @@ def judge(
     judged = _judged(baseline, ranked, library, curves)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
-        return replace(judged, verdict="sensor_fault")
+        return replace(judged, verdict="sensor_fault", ranked=unclaimed(judged.ranked))
     return with_walk(baseline, judged)
 
 
@@ -111,7 +111,8 @@ def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Severa
     """Name several effects, the one that is best alone first; a law of a free exponent was not tried alone."""
     if not any(entry.name in found.names for entry in ranked):
         law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
-        ranked = (replace(law, claimed=True), *ranked)
+        ranked = (law, *ranked)
+    ranked = tuple(replace(entry, claimed=entry.claimed or entry.name in found.names) for entry in ranked)
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
     others = tuple(name for name in found.names if name != first.name)
@@ -125,21 +126,16 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
     sensors = sorted(
         (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
     )
-    if judgement.verdict == "sensor_fault" and not any(entry.claimed for entry in entries):
-        return (*sensors, *entries)
-    named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
-    first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
-    rest = [e for e in entries if e not in first]
-    return (*first, *(s for s in sensors if s.claimed), *rest, *(s for s in sensors if not s.claimed))
+    return tuple(sorted((*entries, *sensors), key=lambda one: (not one.claimed, one.corrected is not None)))
 
 
 def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, settled: Baseline) -> Suspect:
     is_final = candidate.fit is judgement.final
-    named = judgement.together and (candidate is judgement.ranked[0] or candidate.name in judgement.together)
+    found = candidate.name in judgement.final.model
     told = judgement.confirmation.effects if judgement.confirmation is not None else ()
     confirmed = next((effect for effect in told if effect.name == candidate.name), None)
     rivals = rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals
-    if named and not is_final and confirmed is None:
+    if found and not is_final and confirmed is None:
         rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(
         effect=candidate.term.effect,
@@ -150,7 +146,7 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
         claimed=candidate.claimed,
         baseline=baseline,
         fit=candidate.fit,
-        last=settled.fit if named or is_final else candidate.fit,
+        last=settled.fit if found else candidate.fit,
         rivals=rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,
