@@ -8,8 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-import numpy as np
-
 from identify.effects.effect import Effect
 from identify.evidence import evidence
 from identify.fitting.baseline import Baseline
@@ -142,13 +140,8 @@ def _makes_sense(baseline: Baseline, several: Several) -> bool:
 
 
 def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator[Several]:
-    """Yield sets of forces, each fitted as a whole, the most probable first.
-
-    Where none reaches the floor, the one that leaves least begins anew from other values before it is given up.
-    """
+    """Yield sets of forces, each fitted as a whole, the most probable first."""
     found = [_fitted(baseline, one) for one in sets]
-    if found and not any(baseline.adequate(one.fit) for one in found):
-        found = [_begun_anew(baseline, min(found, key=lambda one: one.fit.chi_square))]
     yield from sorted(found, key=lambda one: -evidence(baseline.fit, one.fit, baseline.scales))
 
 
@@ -161,20 +154,6 @@ def _fitted(baseline: Baseline, together: tuple[Begun, ...]) -> Several:
     goal = baseline.highest * baseline.fit.degrees
     found = fit(model, baseline.fit.windows, start, baseline.fit.frequency, goal=goal)
     return Several(found, tuple(begun.term for begun in together))
-
-
-def _begun_anew(baseline: Baseline, several: Several) -> Several:
-    """Fit some effects again, each in turn from all its starting values, and keep the best fit."""
-    found = several.fit
-    for term in sorted(several.terms, key=lambda term: -len(term.effect.inner)):
-        less = fit(found.model.minus(term.effect.name), found.windows, found.point, found.frequency)
-        if not np.isfinite(less.chi_square):
-            continue
-        again = try_terms(baseline.decays, less, (term,))
-        found = min((found, *(c.fit for c in again)), key=lambda one: one.chi_square)
-        if baseline.adequate(found):
-            break
-    return replace(several, fit=found)
 
 
 def _beside_the_best(
