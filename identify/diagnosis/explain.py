@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation
 from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
@@ -25,7 +24,6 @@ from identify.formatting import (
     three_figures,
 )
 from identify.judging.beside_walk import walk_sentence
-from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspect import Suspect
 from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
@@ -65,7 +63,7 @@ def explain(
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, _best(suspects), shape, confirmation, suspects)
+        return _unknown(baseline, judgement, suspects)
     if top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
@@ -255,37 +253,21 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     )
 
 
-def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Find the plausible suspect with the smallest residual, where the first suspect explains more than chance
-    would; None otherwise.
-    """
-    if not suspects or not suspects[0].claimed:
-        return None
-    tried = [s for s in suspects if s.plausible and s.corrected is None]
-    return min(tried, key=lambda s: s.error_after, default=suspects[0])
-
-
 def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
-    """State how much the model leaves and how much of it named effects explain, each alone."""
+    """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
     before = baseline.reduced(baseline.fit)
     whole = _left(baseline, baseline.fit, before)
     floor = f"where the floor is {floor_of(baseline)}"
+    if best is None:
+        return f"Something is missing that the library does not name: the model leaves {whole}, {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
-    if best is not None and most:
-        rest = "the residual has no name"
-        if baseline.adequate(most[0].fit):
-            rest = (
-                "this record does not distinguish them"
-                if len(most) > 1
-                else "one release is not enough to confirm it"
-            )
-        return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
-    first = f"Something is missing that the library does not name: the model leaves {whole}"
-    if best is not None:
-        left = _left(baseline, best.fit, best.error_after)
-        first += f", and the best named effect, {plain_name(best.effect.name)}, still {left}"
-    return f"{first}, {floor}."
+    rest = "the residual has no name"
+    if most and baseline.adequate(most[0].fit):
+        alone = "one release is not enough to confirm it"
+        rest = "this record does not distinguish them" if len(most) > 1 else alone
+    leaves = _each_leaves(baseline, most or [best])
+    return f"Something is missing: the model leaves {whole}. {leaves}, {floor}: {rest}."
 
 
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
@@ -301,13 +283,17 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
 
 def _unknown(
     baseline: Baseline,
-    best: Suspect | None,
-    shape: NonparametricForce | None,
-    predicted: Confirmation | None,
+    judgement: Judgement,
     suspects: tuple[Suspect, ...],
 ) -> str:
+    """Explain that something is missing without a name: what named effects would leave, and a free form explains."""
+    tried = [s for s in suspects if s.plausible and s.corrected is None]
+    best, shape = None, judgement.shape
+    if suspects and suspects[0].claimed:
+        best = min(tried, key=lambda s: s.error_after, default=suspects[0])
     first = _what_is_missing(baseline, best, suspects)
-    if not baseline.floor_is_sure and predicted is None and baseline.decays[0].window.force is None:
+    asked = baseline.floor_is_sure or baseline.decays[0].window.force is not None
+    if not asked and judgement.confirmation is None:
         first += (
             " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."
