@@ -9,7 +9,7 @@ counts in neither.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -37,19 +37,6 @@ class Evidence:
     verdict: Decided
     names: tuple[str, ...] = ()
     explains: str = ""
-
-    @property
-    def lead(self) -> str | None:
-        """The law that leads, named or not; None where nothing is more likely than any."""
-        return self.names[0] if self.names else None
-
-    def led_by(self, name: str) -> "Evidence":
-        """Return the same evidence with another of the names that are not distinguishable in the lead."""
-        return replace(self, names=(name, *(other for other in self.names if other != name)))
-
-    def of(self, explains: str) -> "Evidence":
-        """Return the same evidence of what its leader explains."""
-        return replace(self, explains=explains)
 
 
 def nothing(nats: Sequence[float]) -> float:

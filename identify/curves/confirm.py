@@ -89,10 +89,12 @@ def _confirmed(likelihood: CurveLikelihood) -> Confirmation:
         if not likeliest or (named and not borne):
             break
         if named:
-            evidence = evidence.led_by(min(borne, key=lambda name: complexity(known[name])))
+            first = min(borne, key=lambda name: complexity(known[name]))
+            names = (first, *(name for name in evidence.names if name != first))
+            evidence = replace(evidence, names=names)
         taken = [fits[name] for name in (evidence.names[:1] if named else likeliest)]
         column, after = suspects[evidence.names[0]].column, tried[evidence.names[0]]
-        evidence = evidence.of(_explained(held, after))
+        evidence = replace(evidence, explains=_explained(held, after))
         if any(evidence.explains == one.explains for one in asked):
             break  # a curve of few numbers is not divided between two laws
         if borne:

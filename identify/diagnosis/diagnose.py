@@ -29,10 +29,10 @@ from identify.judging.ranking import rank
 from identify.judging.releases_differ import (
     ReleaseValue,
     carried,
-    how_they_differ,
     on_second_thought,
     release_values,
     shared_where_alike,
+    spread_sentence,
     where_releases_differ,
 )
 from identify.judging.suspect import Suspect
@@ -61,8 +61,8 @@ _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_mi
 class Diagnosis(Summarised):
     """The result of a diagnosis: what a model lacks.
 
-    `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `together`
-    names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
+    `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `named` are
+    the effects that the verdict names, several where it takes several. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free-form force, when something is missing that has no name. `confirmation` is what the curves of
     the decay predict, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
@@ -77,7 +77,7 @@ class Diagnosis(Summarised):
     baseline: Baseline
     verdict: Verdict
     suspects: tuple[Suspect, ...]
-    together: tuple[str, ...]
+    named: tuple[str, ...]
     findings: tuple[CorrectedFault, ...]
     final: Fit
     shape: NonparametricForce | None
@@ -123,11 +123,6 @@ class Diagnosis(Summarised):
         """The suspects that the verdict names, in its order."""
         found = {suspect.effect.name: suspect for suspect in reversed(self.suspects)}
         return tuple(found[name] for name in self.named)
-
-    @property
-    def named(self) -> tuple[str, ...]:
-        """The effects that the verdict names."""
-        return named_by(self.verdict, self.suspects, self.together)
 
     @property
     def laws(self) -> tuple[Law, ...]:
@@ -245,20 +240,30 @@ def diagnose(
         judgement = replace(judgement, verdict=verdict, walk=None)
     findings = _findings(settled)
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
-    named = named_by(verdict, suspects, judgement.together)
+    named = (
+        (suspects[0].effect.name, *judgement.together)
+        if verdict in ("missing_effect", "sensor_fault")
+        else ()
+    )
     warned = caution(baseline, judgement, suspects[0] if named else None, settled)
     walk = None if named else judgement.walk
     hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk)
     suspects = with_rivals(suspects, named, hypotheses)
+    said = (
+        explain(baseline, judgement, suspects, findings, settled),
+        warned,
+        harmonics.sentence if harmonics else "",
+        spread_sentence(settled.stated(settled.fit)) if release_values(settled.fit) else "",
+    )
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
         suspects=suspects,
-        together=judgement.together,
+        named=named,
         findings=findings,
         final=settled.fit,
         shape=judgement.shape,
-        explanation=_why(baseline, judgement, suspects, findings, settled, harmonics, warned),
+        explanation=" ".join(filter(None, said)),
         library=library,
         confirmation=judgement.confirmation,
         decays=whole,
@@ -285,29 +290,6 @@ def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
     if judgement.final is not baseline.fit:
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
     return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
-
-
-def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[str, ...]) -> tuple[str, ...]:
-    """List the effects that a verdict names."""
-    if verdict not in ("missing_effect", "sensor_fault"):
-        return ()
-    return (suspects[0].effect.name, *together)
-
-
-def _why(
-    baseline: Baseline,
-    judgement: Judgement,
-    suspects: tuple[Suspect, ...],
-    findings: tuple[CorrectedFault, ...],
-    settled: Baseline,
-    harmonics: HarmonicResidual | None,
-    warned: str,
-) -> str:
-    """Explain the verdict: the reason, what to keep in mind, what stands at the harmonics, by how much releases differ."""
-    why = explain(baseline, judgement, suspects, findings, settled)
-    return " ".join(
-        filter(None, (why, warned, harmonics.sentence if harmonics else "", how_they_differ(settled)))
-    )
 
 
 def _searched(
@@ -355,8 +337,7 @@ def _curves(baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple
     forces = Model(baseline.fit.model.forces)
     terms = candidate_terms(baseline.fit.model, library, whole[0].window)
     known = {name: estimate.value for name, estimate in baseline.fit.parameters.items()}
-    largest = max(whole, key=lambda decay: decay.amplitude)
-    return Curves(whole, forces, known, terms, scales_of(largest, {}))
+    return Curves(whole, forces, known, terms, scales_of(whole[0], {}))
 
 
 def refine(

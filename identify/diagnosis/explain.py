@@ -2,8 +2,12 @@
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation
-from identify.diagnosis.explain_prediction import explain_confirmed, explain_driven, explain_unconfirmed
+from identify.diagnosis.explain_prediction import (
+    explain_confirmed,
+    explain_driven,
+    explain_unconfirmed,
+    explained,
+)
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES, Family
 from identify.fitting.baseline import Baseline
@@ -20,16 +24,12 @@ from identify.formatting import (
     three_figures,
 )
 from identify.judging.beside_walk import walk_sentence
-from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspect import Suspect
 from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
 
 _MOST_ALTERNATIVES = 4
 """Alternatives that are listed; of more the rest is counted."""
-
-_NEARLY = 0.5
-"""Share of what the named effect takes away that another must take, where the model is at the floor without either."""
 
 _LESSER_PART = 0.5
 """Share of the misfit's power up to which a sensor's fault that is named is the lesser part of it."""
@@ -63,7 +63,7 @@ def explain(
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, _best(suspects), shape, confirmation, suspects)
+        return _unknown(baseline, judgement, suspects)
     if top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
@@ -214,24 +214,17 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     tried = [s for s in others if s.corrected is None]
     tied = [s for s in tried if s.plausible and baseline.adequate(s.fit)]
     if baseline.adequate(baseline.fit):
-        return _beside_the_floor(baseline, top, tied)
+        return "The model reaches the floor without it, too: the named effect is small."
     if tied:
         return f"{_listed(tied)} would reach the floor too, with less evidence."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
-    share = 0.0 if best is None else _explained(baseline, best)
+    share = 0.0 if best is None else explained(best, baseline.reduced(baseline.fit))
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
-    name = plain_name(best.effect.name)
-    which = f"The next best, {name}," if best.error_after >= top.error_after else f"Less simple, {name}"
-    return f"{which} would explain {share_words(share)} of it and leave {_times_the_noise(best.error_after)}."
-
-
-def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:
-    """Say which effects lower the misfit as much, where the model reaches the floor without any of them."""
-    before = baseline.reduced(baseline.fit)
-    near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
-    also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
-    return f"The model reaches the floor without it, too: the named effect is small{also}."
+    return (
+        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leave "
+        f"{_times_the_noise(best.error_after)}."
+    )
 
 
 def _listed(suspects: list[Suspect]) -> str:
@@ -239,12 +232,6 @@ def _listed(suspects: list[Suspect]) -> str:
     shown = [f"{plain_name(s.effect.name)} ({_times_the_noise(s.error_after)})" for s in first]
     more = len(suspects) - len(shown)
     return "; ".join([*shown, f"{more} more"] if more else shown)
-
-
-def _explained(baseline: Baseline, suspect: Suspect) -> float:
-    """Return the share, 0 to 1, of the misfit above the noise that a suspect explains."""
-    before = baseline.reduced(baseline.fit)
-    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def _times_the_noise(reduced: float) -> str:
@@ -266,36 +253,21 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     )
 
 
-def _best(suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Find the plausible suspect with the smallest residual, where the first suspect explains more than chance
-    would; None otherwise.
-    """
-    if not suspects or not suspects[0].claimed:
-        return None
-    tried = [s for s in suspects if s.plausible and s.corrected is None]
-    return min(tried, key=lambda s: s.error_after, default=suspects[0])
-
-
 def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
-    """State how much the model leaves and how much of it named effects explain, each alone."""
-    whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
+    """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
+    before = baseline.reduced(baseline.fit)
+    whole = _left(baseline, baseline.fit, before)
     floor = f"where the floor is {floor_of(baseline)}"
+    if best is None:
+        return f"Something is missing that the library does not name: the model leaves {whole}, {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
-    most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
-    if best is not None and most:
-        rest = "the residual has no name"
-        if baseline.adequate(most[0].fit):
-            rest = (
-                "this record does not distinguish them"
-                if len(most) > 1
-                else "one release is not enough to confirm it"
-            )
-        return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
-    first = f"Something is missing that the library does not name: the model leaves {whole}"
-    if best is not None:
-        left = _left(baseline, best.fit, best.error_after)
-        first += f", and the best named effect, {plain_name(best.effect.name)}, still {left}"
-    return f"{first}, {floor}."
+    most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
+    rest = "the residual has no name"
+    if most and baseline.adequate(most[0].fit):
+        alone = "one release is not enough to confirm it"
+        rest = "this record does not distinguish them" if len(most) > 1 else alone
+    leaves = _each_leaves(baseline, most or [best])
+    return f"Something is missing: the model leaves {whole}. {leaves}, {floor}: {rest}."
 
 
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
@@ -311,13 +283,17 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
 
 def _unknown(
     baseline: Baseline,
-    best: Suspect | None,
-    shape: NonparametricForce | None,
-    predicted: Confirmation | None,
+    judgement: Judgement,
     suspects: tuple[Suspect, ...],
 ) -> str:
+    """Explain that something is missing without a name: what named effects would leave, and a free form explains."""
+    tried = [s for s in suspects if s.plausible and s.corrected is None]
+    best, shape = None, judgement.shape
+    if suspects and suspects[0].claimed:
+        best = min(tried, key=lambda s: s.error_after, default=suspects[0])
     first = _what_is_missing(baseline, best, suspects)
-    if not baseline.floor_is_sure and predicted is None and baseline.decays[0].window.force is None:
+    asked = baseline.floor_is_sure or baseline.decays[0].window.force is not None
+    if not asked and judgement.confirmation is None:
         first += (
             " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."

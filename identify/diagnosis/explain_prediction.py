@@ -39,30 +39,26 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     size = three_figures(found.usual.typical("motion"))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
-    words = [f"The model predicts {basis} with an error of {size} % of the motion there."]
-    words += [*_undecided(found), *_not_sure(suspects[:1], before)] or [
-        "No effect of the library explains it better than a drift of the rig would."
-    ]
-    return " ".join(words)
+    why = " ".join(filter(None, (*_undecided(found), *(_not_sure(one, before) for one in suspects[:1]))))
+    why = why or "No effect of the library explains it better than a drift of the rig would."
+    return f"The model predicts {basis} with an error of {size} % of the motion there. {why}"
 
 
-def _not_sure(leading: tuple[Suspect, ...], before: float) -> list[str]:
-    """Say of a force that would explain nearly all of it what keeps it from a name; nothing where there is no such force."""
-    sentences = []
-    for suspect in leading:
-        share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
-        strength = suspect.parameters.get(suspect.effect.strength.name)
-        if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
-            continue
-        would = f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves"
-        if not is_clear(suspect.fit, suspect.term):
-            shown = quantities({suspect.effect.strength.name: strength})[0]
-            sentences.append(f"{would}, but its strength, {shown}, may be zero.")
-        elif suspect.rivals:
-            sentences.append(
-                f"{would}; {among([plain_name(name) for name in suspect.rivals], 'or')} would do as well."
-            )
-    return sentences
+def _not_sure(leading: Suspect, before: float) -> str:
+    """Say of a force that would explain nearly all of it what keeps it from a name; "" where it is no such force."""
+    name, strength = leading.effect.strength.name, leading.parameters.get(leading.effect.strength.name)
+    share = explained(leading, before)
+    if leading.kind != "physics" or not leading.claimed or share < _NEARLY_ALL or strength is None:
+        return ""
+    would = f"{plain_name(leading.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves"
+    if not is_clear(leading.fit, leading.term):
+        return f"{would}, but its strength, {quantities({name: strength})[0]}, may be zero."
+    return f"{would}; {_among(leading.rivals, 'or')} would do as well." if leading.rivals else ""
+
+
+def explained(suspect: Suspect, before: float) -> float:
+    """Return the share of a misfit above the noise that a suspect explains; `before` is its reduced chi-square."""
+    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def explain_driven(curve: DecayCurve, unit: str) -> str:
@@ -74,11 +70,8 @@ def explain_driven(curve: DecayCurve, unit: str) -> str:
             f"The motion grows to {three_figures(late.max())} {unit} at {three_figures(frequency)} Hz. Something feeds it; "
             "a free decay is needed to name a force. Stop the drive, or find what feeds the motion, before a release."
         )
-    beats = (
-        ""
-        if not curve.beats_late
-        else f", beating between {three_figures(late.min())} and {three_figures(late.max())} {unit}"
-    )
+    between = f"{three_figures(late.min())} and {three_figures(late.max())} {unit}"
+    beats = f", beating between {between}" if curve.beats_late else ""
     return (
         f"The motion does not die away: over the last two fifths of the record its amplitude stays at "
         f"{three_figures(float(np.mean(late)))} {unit} and {three_figures(frequency)} Hz{beats}. Something drives it; a "
@@ -104,11 +97,7 @@ def _undecided(found: Confirmation) -> list[str]:
     sentences, too = [], " too" if found.effects else ""
     another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
-        alike = (
-            f"{_among(names)} explain it equally well"
-            if len(names) > 1
-            else f"{_among(names)} would explain it"
-        )
+        alike = f"{_among(names)} {'explain it equally well' if len(names) > 1 else 'would explain it'}"
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
             "amplitude distinguishes time from amplitude."
@@ -116,5 +105,5 @@ def _undecided(found: Confirmation) -> list[str]:
     return sentences
 
 
-def _among(names: tuple[str, ...]) -> str:
-    return among([plain_name(name) for name in names])
+def _among(names: tuple[str, ...], word: str = "and") -> str:
+    return among([plain_name(name) for name in names], word)

@@ -188,5 +188,4 @@ def _named(effects: tuple[str, ...]) -> str:
 
 
 def _largest(found: Diagnosis, limits: Limits) -> Experiment:
-    last = max(found.baseline.decays, key=lambda decay: decay.amplitude)
-    return Experiment(limits.high if signed_amplitude(last) < 0.0 else -limits.high)
+    return Experiment(limits.high if signed_amplitude(found.baseline.largest) < 0.0 else -limits.high)

@@ -150,13 +150,11 @@ def remove_effect(step: Step, name: str) -> Step:
     return replace(step_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 
-def share_explained(step: Step, name: str, without: Step | None = None) -> float | None:
+def share_explained(step: Step, without: Step) -> float | None:
     """Return the share, 0 to 1, of the misfit without an effect that the effect explains; None where it is needed.
 
-    An effect is needed where chi-square rises by more without it than chance lets any effect lower it. `without` is the
-    step without it, where that was fitted before.
+    An effect is needed where chi-square rises by more without it than chance lets any effect lower it.
     """
-    without = without or remove_effect(step, name)
     if _needed(step, without):
         return None
     gain = without.fit.chi_square - step.fit.chi_square

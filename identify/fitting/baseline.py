@@ -6,10 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.effect import Scales
 from identify.fitting.corrected_faults import FEWEST_LOST, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
-from identify.fitting.initial_values import initial_values, regress_model
+from identify.fitting.initial_values import initial_values, regress_model, scales_of
 from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
@@ -19,7 +20,7 @@ from identify.preprocessing.noise import Noise, stale
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
-from identify.signal.spectrum import high_band_floor
+from identify.signal.spectrum import high_band_floor, strongest_lines
 
 _BAND_ABOVE = 8.0
 _DISAGREE = 4.0
@@ -95,6 +96,9 @@ def _combine(known: Noise, std: float, error: float) -> Noise:
 _SETTLED = 1e-4
 """Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
 
+_LINES = 3
+"""Lines of a channel's residual that are looked for."""
+
 _STALE_OFF = 3.5
 """Noise standard deviations off the fit at which a stale reading counts as lost."""
 
@@ -129,6 +133,16 @@ class Baseline:
     def alpha(self) -> float:
         """The probability of a false claim that is allowed on these records."""
         return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
+
+    @property
+    def largest(self) -> PreparedDecay:
+        """The release of the largest amplitude."""
+        return max(self.decays, key=lambda prepared: prepared.amplitude)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """The sizes from which one more effect takes its starting values, with the lines of the residual."""
+        return scales_of(self.decays[0], residual_lines(self.fit))
 
     @cached_property
     def walk(self) -> RandomWalk:
@@ -251,3 +265,14 @@ def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:
     """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
     inner = {name: estimate.value for name, estimate in found.parameters.items()}
     return prepared.restoring - regress_model(prepared, found.model, inner).residual
+
+
+def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
+    """Find the strongest lines of each channel's residual, over all windows: (Hz, amplitude, phase at the release)."""
+    lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
+    for i, window in enumerate(found.windows):
+        for channel in window.channels:
+            residual = np.where(window.used[channel], found.residual(channel, i), 0.0)[window.lead :]
+            time = window.time + window.lead / window.rate
+            lines[channel] = lines.get(channel, ()) + strongest_lines(residual, window.rate, time, _LINES)
+    return lines

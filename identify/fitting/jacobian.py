@@ -64,13 +64,6 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     return residual, jacobian
 
 
-def take_steps(problem: Problem, other: Problem) -> None:
-    """Take over the steps of differentiation that another problem has found for unknowns of the same name."""
-    for at, unknown in enumerate(problem.unknowns):
-        if unknown.name in other.index:
-            problem.steps[at] = other.steps[other.index[unknown.name]]
-
-
 def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
     """Adapt the step of unknown j to the rms change that it made; return whether the difference must be repeated."""
     wanted = _READABLE / moved if moved > 0.0 else inf

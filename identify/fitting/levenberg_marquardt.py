@@ -56,22 +56,20 @@ def minimise(
     steps: int = MOST_STEPS,
     tolerance: float = 0.02,
     held: Mask | None = None,
-    begun: tuple[Array, BlockJacobian] | None = None,
     goal: float = 0.0,
     damping: float = _UNDAMPED,
 ) -> Minimum:
     """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
     Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
-    in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
-    Jacobian that may be approximate; `damping` is that of the first step. Between exact Jacobians each step mends the
-    last one.
+    in as many steps as there are. Unknowns that are `held` stay where they are. `damping` is that of the first step.
+    Between exact Jacobians each step mends the last one.
     """
     theta = np.clip(theta, problem.low, problem.high)
     never = np.zeros(len(theta), dtype=bool) if held is None else held
-    residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
+    residual, jacobian = linearise(problem, theta, skip=held)
     cost = sum_of_squares(residual)
-    exact, settled, slow = begun is None, False, 0
+    exact, settled, slow = True, False, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break

@@ -7,7 +7,6 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.effects.effect import Scales
-from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit
 from identify.fitting.initial_values import (
     close_starts,
@@ -18,13 +17,12 @@ from identify.fitting.initial_values import (
     scales_of,
     term_starts,
 )
-from identify.fitting.jacobian import linearise, take_steps
 from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.judging.linear_gain import (
-    LINEAR_UP_TO,
     Slope,
     Starts,
+    is_near,
     likeliest,
     probes,
     states_of_term,
@@ -69,18 +67,16 @@ def begin(
     term: Term,
     scales: Scales,
     goal: float,
-    *,
-    by_gain: bool,
 ) -> tuple[Beginning, ...]:
     """Take the first steps of a fit from a few starts and keep the best; none where a fault has no start.
 
-    If `by_gain`, near the floor, a force begins very weak at the places of its largest linear gains, where it grows as
-    far as these predict; then at the strengths of the equation error. Where both make the fit worse it begins very weak
+    With a `slope` a force begins very weak at the places of its largest linear gains, where it grows as far as these
+    predict; then at the strengths of the equation error. Where both make the fit worse it begins very weak
     from all starts: no model need be worse than a part of itself. Of one whose memory need not have begun at rest the best
     of such starts is kept, too, its first steps taken with all parameters free: held, they drive its strength to none.
     """
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
-    problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
+    problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=not is_near(base))
     effect = term.effect
     held = np.array([u.id.effect == effect.name and u.id.parameter in effect.inner for u in problem.unknowns])
 
@@ -88,16 +84,8 @@ def begin(
         found = []
         for point in points:
             theta = np.clip(point, problem.low, problem.high)
-            begun = None if slope is None or held is None else _from_slope(slope, problem, theta, held)
             end = minimise(
-                problem,
-                theta,
-                steps=_FIRST_STEPS,
-                tolerance=1.0,
-                held=held,
-                begun=begun,
-                goal=goal,
-                damping=damping,
+                problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=held, goal=goal, damping=damping
             )
             found.append(Beginning(term, problem, end.theta, end.cost))
         return sorted((one for one in found if np.isfinite(one.cost)), key=lambda one: one.cost)[:1]
@@ -105,11 +93,9 @@ def begin(
     def hardly_there(places: Starts) -> list[Array]:
         return [p for place in places for p in probes(decays, base, problem, term, place)[:1]]
 
-    starts: Starts = term_starts(term, scales)
-    likely: Starts = ()
+    starts = term_starts(term, scales)
+    likely = () if slope is None else likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
     from_elsewhere: list[Beginning] = []
-    if by_gain and slope is not None:
-        likely = likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
     if _has_free_state(problem, term):  # of hardly any strength it could be as large as any by its state
         points = _promising(decays, base, problem, term, likely, _STARTS)
         found = best_of(points + _promising(decays, base, problem, term, starts, _STARTS), _DAMPING)
@@ -122,20 +108,6 @@ def begin(
     if term.is_force and not any(one.cost <= _ASTRAY * base.chi_square for one in found):
         found += best_of(hardly_there(starts[:_STARTS]), _NO_DAMPING)
     return (*sorted(found, key=lambda one: one.cost)[:1], *from_elsewhere)
-
-
-def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
-    """Return the misfit of the model with one more effect, and its Jacobian; only the new columns are computed."""
-    known_at = slope.problem.index
-    take_steps(problem, slope.problem)
-    known = np.array([unknown.name in known_at for unknown in problem.unknowns])
-    residual, jacobian = linearise(problem, theta, skip=known | held)
-    for at, unknown in enumerate(problem.unknowns):
-        if known[at]:
-            before = slope.jacobian.of_unknown(known_at[unknown.name])
-            for (_, row), (_, values) in zip(jacobian.of_unknown(at), before, strict=True):
-                row[:] = values
-    return residual, jacobian
 
 
 def _has_free_state(problem: Problem, term: Term) -> bool:
@@ -169,7 +141,7 @@ def _promising(
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = weak_strength(largest, term, inner) or 0.0
-        if base.reduced < LINEAR_UP_TO:
+        if is_near(base):
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(problem.theta(point))
     return points

@@ -21,11 +21,10 @@ from identify.effects.effect import Effect
 from identify.evidence import Evidence, decide, evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import fit
-from identify.fitting.initial_values import scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
 from identify.judging.ranking import at_rest, dispersion
-from identify.judging.suspects import Candidate, residual_lines
+from identify.judging.suspects import Candidate
 from identify.judging.verdict import Judgement, verdict_of
 from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
@@ -138,10 +137,9 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
         if weigh(baseline.walk, nats, effects, last, widened).verdict != "named":
             return None
     else:
-        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
         for effect in added:
             less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
-            nats = {effect.name: evidence(less, final, scales)}
+            nats = {effect.name: evidence(less, final, baseline.scales)}
             if weigh(walk_beside(less), nats, {effect.name: effect}, last).verdict != "named":
                 return None
     if last.evidence <= RIVALS_WITHIN * widened:
@@ -160,10 +158,9 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     alone = baseline.walk.simulated
     if baseline.reached_with(alone):
         return None
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     near = [one for one in ranked if one.plausible and not one.term.effect.line][:_NEAR]
     gain = {
-        one: evidence(baseline.fit, one.fit, scales) + at_rest(baseline.decays, one.fit, one.term)
+        one: evidence(baseline.fit, one.fit, baseline.scales) + at_rest(baseline.decays, one.fit, one.term)
         for one in near
     }
     linear = {one: walk_beside(one.fit) for one in near}

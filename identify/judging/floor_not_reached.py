@@ -23,7 +23,7 @@ from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import initial_values, scales_of
+from identify.fitting.initial_values import initial_values
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.fitting.noise_colour import may_be_hum
@@ -31,7 +31,7 @@ from identify.judging.beside_walk import weighed
 from identify.judging.linear_gain import states_of_term
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
-from identify.judging.suspects import Candidate, residual_lines, singles, try_terms
+from identify.judging.suspects import Candidate, singles, try_terms
 from identify.judging.verdict import Judgement
 from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
@@ -261,8 +261,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
     if not may_be_hum(behind.fit, found.term.channel, line):
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
-    scales = scales_of(behind.decays[0], residual_lines(behind.fit))
-    nats = evidence(behind.fit, found.fit, scales, max(density, 1.0))
+    nats = evidence(behind.fit, found.fit, behind.scales, max(density, 1.0))
     return replace(found, evidence=nats, claimed=True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
 
 

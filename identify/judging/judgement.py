@@ -9,7 +9,6 @@ from identify.curves.confirm import Curves
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
-from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent, removed_percent
 from identify.judging.beside_walk import named_with_walk, weighed, with_walk
 from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
@@ -17,7 +16,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rivals_of
 from identify.judging.several_effects import Several, several_effects
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import Candidate, residual_lines, score_candidate
+from identify.judging.suspects import Candidate, score_candidate
 from identify.judging.verdict import Judgement, verdict_of
 
 
@@ -45,7 +44,7 @@ def judge(
     judged = _judged(baseline, ranked, library, curves)
     faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
-        return replace(judged, verdict="sensor_fault")
+        return replace(judged, verdict="sensor_fault", ranked=unclaimed(judged.ranked))
     return with_walk(baseline, judged)
 
 
@@ -111,9 +110,9 @@ def _judged(
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
     """Name several effects, the one that is best alone first; a law of a free exponent was not tried alone."""
     if not any(entry.name in found.names for entry in ranked):
-        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-        law = score_candidate(found.fit, baseline.fit, found.terms[0], scales)
-        ranked = (replace(law, claimed=True), *ranked)
+        law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
+        ranked = (law, *ranked)
+    ranked = tuple(replace(entry, claimed=entry.claimed or entry.name in found.names) for entry in ranked)
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
     others = tuple(name for name in found.names if name != first.name)
@@ -127,21 +126,16 @@ def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline)
     sensors = sorted(
         (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
     )
-    if judgement.verdict == "sensor_fault" and not any(entry.claimed for entry in entries):
-        return (*sensors, *entries)
-    named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
-    first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
-    rest = [e for e in entries if e not in first]
-    return (*first, *(s for s in sensors if s.claimed), *rest, *(s for s in sensors if not s.claimed))
+    return tuple(sorted((*entries, *sensors), key=lambda one: (not one.claimed, one.corrected is not None)))
 
 
 def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, settled: Baseline) -> Suspect:
     is_final = candidate.fit is judgement.final
-    named = judgement.together and (candidate is judgement.ranked[0] or candidate.name in judgement.together)
+    found = candidate.name in judgement.final.model
     told = judgement.confirmation.effects if judgement.confirmation is not None else ()
     confirmed = next((effect for effect in told if effect.name == candidate.name), None)
     rivals = rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals
-    if named and not is_final and confirmed is None:
+    if found and not is_final and confirmed is None:
         rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(
         effect=candidate.term.effect,
@@ -152,7 +146,7 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
         claimed=candidate.claimed,
         baseline=baseline,
         fit=candidate.fit,
-        last=settled.fit if named or is_final else candidate.fit,
+        last=settled.fit if found else candidate.fit,
         rivals=rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,

@@ -5,8 +5,7 @@ effect's inner parameters gives, before any fit, nearly the result of a fit: wha
 the misfit, and of the change that the effect makes, is left out.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -102,7 +101,7 @@ def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) 
     return _PRESENT * float(np.sqrt(np.mean(motion.acceleration**2))) / rms if 0.0 < rms < np.inf else None
 
 
-LINEAR_UP_TO = 100.0
+_LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
 
 Starts = tuple[dict[str, float], ...]
@@ -118,9 +117,14 @@ _INDEPENDENT = 1e-6
 """Size of a direction, as a share of the largest, that counts as none."""
 
 
+def is_near(base: Fit) -> bool:
+    """Check that a fit is near enough to the readings for one more effect to move them in proportion."""
+    return base.reduced < _LINEAR_UP_TO
+
+
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """How the misfit of a fit depends on its unknowns: the fit, its problem, misfit (n,) and Jacobian."""
+    """How the misfit of a fit, the `base`, depends on its unknowns at a few readings a cycle: misfit (n,) and Jacobian."""
 
     base: Fit
     problem: Problem
@@ -130,24 +134,9 @@ class Slope:
     @classmethod
     def of(cls, base: Fit) -> Self:
         """Return the slope at a fit."""
-        return cls(base, base.problem, *base.linearised)
-
-    @cached_property
-    def thinned(self) -> Self:
-        """The same at a few readings a cycle."""
-        base = self.base
         windows = tuple(one.at_few_readings(base.frequency) for one in base.windows)
         problem = Problem(base.model, windows, base.frequency, coarse=True)
-        return replace(
-            self,
-            problem=problem,
-            residual=problem.residuals(base.theta),
-            jacobian=linearise(problem, base.theta)[1],
-        )
-
-    def free_of_known(self, columns: Array) -> Array:
-        """Remove from columns (n, m) the part that the model's own parameters can follow."""
-        return self.jacobian.free(columns)
+        return cls(base, problem, problem.residuals(base.theta), linearise(problem, base.theta)[1])
 
 
 def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:
@@ -158,16 +147,15 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     starts = (term_starts if term.effect.line else close_starts)(term, scales)
     if not term.is_force or len(starts) < 2:
         return ()
-    base, slope = slope.base, slope.thinned
+    base, before = slope.base, slope.residual
     problem = Problem(base.model.plus(term), slope.problem.windows, base.frequency, coarse=True)
-    before = slope.residual
     starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
-    misfit, gains = slope.free_of_known(slope.residual), [0.0]
+    misfit, gains = slope.jacobian.free(before), [0.0]
     for start in starts:
         moved = [problem.residuals(p) for p in probes(decays, base, problem, term, start)]
         known = bool(moved) and all(np.isfinite(one).all() for one in moved)
         columns = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if known else []
-        gains.append(_gain(misfit, slope.free_of_known(np.column_stack(columns)), term) if columns else 0.0)
+        gains.append(_gain(misfit, slope.jacobian.free(np.column_stack(columns)), term) if columns else 0.0)
     gains.append(0.0)
     tops = [i for i in range(1, len(gains) - 1) if 0.0 < gains[i] >= max(gains[i - 1], gains[i + 1])]
     return tuple(starts[i - 1] for i in sorted(tops, key=lambda i: -gains[i]))

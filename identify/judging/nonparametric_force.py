@@ -5,7 +5,7 @@ speed, and of slow changes of stiffness, damping and friction with time. Compare
 explain, it tells whether something is missing that the library does not know, and what it looks like.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,13 +19,17 @@ from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.splines import basis, clamped_knots
 
-_KNOTS = {
-    "displacement": 24,
-    "velocity": 16,
-    "friction over displacement": 14,
-    "friction over speed": 12,
-    "time": 6,
+_FORMS = {
+    "displacement": (CurveForm("", "u", 0.0, 1.0, 1), 24),
+    "velocity": (CurveForm("", "v", 0.0, 1.0, 1), 16),
+    "friction over displacement": (CurveForm("sgn(v)", "u", 0.0, 1.0, 1), 14),
+    "friction over speed": (CurveForm("sgn(v)", "abs(v)", 0.0, 1.0, 1), 12),
+    "time (stiffness)": (CurveForm("u", "t", 0.0, 1.0, 1), 6),
+    "time (damping)": (CurveForm("v", "t", 0.0, 1.0, 1), 6),
+    "time (friction)": (CurveForm("sgn(v)", "t", 0.0, 1.0, 1), 6),
 }
+"""The coordinates: the form of a curve over each, whose ends and unit are open here, and the knots of its spline."""
+
 _STIFFNESSES = (1e-4, 1e-2, 1.0)
 _MOST_COORDINATES = 3
 
@@ -105,8 +109,7 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
 
 def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
     """Fit the free form to the residual of a fit, along the release of the largest amplitude."""
-    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
-    return nonparametric_force(largest, force_along_motion(largest, found))
+    return nonparametric_force(baseline.largest, force_along_motion(baseline.largest, found))
 
 
 def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
@@ -150,32 +153,16 @@ def _smooth(blocks: list[Array], misfit: Array, used: Mask, stiffness: float) ->
 
 def coordinates(time: Array, u: Array, v: Array) -> dict[str, tuple[Array, Array]]:
     """Return the position on each coordinate along a motion, and the factor of a curve over it, (n,) each."""
-    sign, one = np.sign(v), np.ones_like(v)
-    return {
-        "displacement": (u, one),
-        "velocity": (v, one),
-        "friction over displacement": (u, sign),
-        "friction over speed": (np.abs(v), sign),
-        "time (stiffness)": (time, u),
-        "time (damping)": (time, v),
-        "time (friction)": (time, sign),
-    }
+    return {name: (form.position(time, u, v), form.multiplied(u, v)) for name, (form, _) in _FORMS.items()}
 
 
 def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array]]:
     return coordinates(prepared.time, prepared.motion.displacement, prepared.motion.velocity)
 
 
-def _unit(coordinate: str, unit: str) -> str:
-    """Return the unit of a coordinate, given that of the displacement."""
-    if coordinate.startswith("time"):
-        return "s"
-    return unit if "displacement" in coordinate else f"{unit}/s"
-
-
 def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
     return {
-        name: _splines(position, _KNOTS.get(name, _KNOTS["time"])) * factor[:, None]
+        name: _splines(position, _FORMS[name][1]) * factor[:, None]
         for name, (position, factor) in _coordinates(prepared).items()
     }
 
@@ -206,21 +193,10 @@ def _shapes(
         mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
         square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count
         std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
-        unit = _unit(name, prepared.window.unit)
+        unit = {"t": "s", "u": prepared.window.unit}.get(_FORMS[name][0].over, f"{prepared.window.unit}/s")
         ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
 
-
-_FORMS = {
-    "displacement": ("", "u"),
-    "velocity": ("", "v"),
-    "friction over displacement": ("sgn(v)", "u"),
-    "friction over speed": ("sgn(v)", "abs(v)"),
-    "time (stiffness)": ("u", "t"),
-    "time (damping)": ("v", "t"),
-    "time (friction)": ("sgn(v)", "t"),
-}
-"""What the curve multiplies and what it runs over, by the name of the free form's coordinate."""
 
 _LEAST = 1e-3
 """Smallest share of a coefficient of the largest, below which its ratio would have no meaning."""
@@ -229,31 +205,26 @@ _LEAST = 1e-3
 def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
     """Make an effect called `name` of the force that a fitted model lacks, and the line that saves it.
 
-    The coordinate is the one that explains most of cycles that were held out; the curve begins at a regression of the
-    missing force on the release of the largest amplitude. Raises NotIdentifiable where no smooth curve explains any.
+    The coordinate is the one that explains most of cycles that were held out. The curve covers the whole range of the
+    motion, rounded as it is saved, and begins at a regression of the missing force on the release of the largest
+    amplitude. Raises NotIdentifiable where no smooth curve explains any.
     """
     shape = free_form(baseline, baseline.fit)
     if not shape.shapes or not shape.coordinates:
         raise NotIdentifiable(
             "the residual follows no curve in displacement, velocity or time, so there is none to add"
         )
-    prepared = max(baseline.decays, key=lambda decay: decay.amplitude)
-    factor, over = _FORMS[shape.coordinates[0]]
-    form = _over_the_motion(prepared, factor, over)
-    weights = _regressed(prepared, prepared.restoring - force_along_motion(prepared, baseline.fit), form)
-    largest = int(np.argmax(np.abs(weights)))
-    form = CurveForm(factor, over, form.low, form.high, largest + 1)
-    ratios = tuple(float(weights[i] / weights[largest]) for i in range(COUNT) if i != largest)
-    return curve_effect(name, form, ratios), f"{name} = {form.formula}"
-
-
-def _over_the_motion(prepared: PreparedDecay, factor: str, over: str) -> CurveForm:
-    """Return the curve over the whole range of the motion, rounded as it is saved."""
-    form = CurveForm(factor, over, 0.0, 1.0, 1)
+    prepared = baseline.largest
     motion = prepared.motion
+    form, _ = _FORMS[shape.coordinates[0]]
     position = form.position(prepared.time, motion.displacement, motion.velocity)
     low, high = (float(f"{edge:.6g}") for edge in (np.min(position), np.max(position)))
-    return CurveForm(factor, over, 0.0 if over == "abs(v)" else low, high, 1)
+    form = replace(form, low=0.0 if form.over == "abs(v)" else low, high=high)
+    weights = _regressed(prepared, prepared.restoring - force_along_motion(prepared, baseline.fit), form)
+    largest = int(np.argmax(np.abs(weights)))
+    form = replace(form, unit=largest + 1)
+    ratios = tuple(float(weights[i] / weights[largest]) for i in range(COUNT) if i != largest)
+    return curve_effect(name, form, ratios), f"{name} = {form.formula}"
 
 
 def _regressed(prepared: PreparedDecay, force: Array, form: CurveForm) -> Array:

@@ -13,8 +13,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import scales_of
-from identify.judging.suspects import Candidate, residual_lines
+from identify.judging.suspects import Candidate
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
@@ -37,9 +36,8 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     A candidate is claimed where it is improbable that nothing is missing, if it is better than nothing by as much.
     """
     widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     nats = [
-        evidence(baseline.fit, c.fit, scales, widened) + at_rest(baseline.decays, c.fit, c.term)
+        evidence(baseline.fit, c.fit, baseline.scales, widened) + at_rest(baseline.decays, c.fit, c.term)
         for c in tried
     ]
     doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
@@ -47,27 +45,18 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     ranked = (
         replace(c, evidence=n, claimed=sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True)
     )
-    return _line_of_sensor_first(baseline.decays, tuple(sorted(ranked, key=_order)))
+    return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
 
 
-def _line_of_sensor_first(
-    decays: tuple[PreparedDecay, ...], ranked: tuple[Candidate, ...]
-) -> tuple[Candidate, ...]:
+def _line_of_sensor_first(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Put a sensor's line before a force where this record does not distinguish the two.
 
-    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
-    leads where it has as good evidence, or misfit and rest say as little against it: how far chance reaches is unsure for
-    each alone.
+    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
     """
-    if not ranked or not ranked[0].claimed or not ranked[0].term.is_force:
-        return ranked
-    hum = next((e for e in ranked if e.term.effect.line and not e.term.is_force), None)
-    if hum is None or not hum.claimed or not hum.plausible:
-        return ranked
-    force, line = (at_rest(decays, e.fit, e.term) - 0.5 * e.fit.chi_square for e in (ranked[0], hum))
-    if min(ranked[0].evidence - hum.evidence, force - line) > RIVALS_WITHIN:
-        return ranked
-    return (hum, *(entry for entry in ranked if entry is not hum))
+    names = rivals_of(ranked[0], ranked) if ranked and ranked[0].term.is_force else ()
+    lines = (e for e in ranked if e.term.effect.line and not e.term.is_force)
+    hum = next((line for line in lines if line.plausible and line.name in names), None)
+    return ranked if hum is None else (hum, *(entry for entry in ranked if entry is not hum))
 
 
 def _order(entry: Candidate) -> tuple[int, float]:

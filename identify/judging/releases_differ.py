@@ -92,12 +92,6 @@ def carried(whole: tuple[PreparedDecay, ...], baseline: Baseline) -> tuple[Prepa
     )
 
 
-def how_they_differ(settled: Baseline) -> str:
-    """Say by how much the releases differ; "" where they share spring and damper."""
-    apart = any(unknown.deviates >= 0 for unknown in settled.fit.unknowns)
-    return spread_sentence(settled.stated(settled.fit)) if apart else ""
-
-
 def of_each(found: Fit) -> Fit:
     """Fit a spring and damper of each release's own, near those of all."""
     windows = with_own_linear(found.windows, found.frequency)

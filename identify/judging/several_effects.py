@@ -8,8 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-import numpy as np
-
 from identify.effects.effect import Effect
 from identify.evidence import evidence
 from identify.fitting.baseline import Baseline
@@ -24,8 +22,6 @@ from identify.judging.suspects import (
     candidate_terms,
     is_plausible,
     laws_of_free_exponent,
-    residual_lines,
-    score_candidate,
     try_terms,
 )
 from identify.model.model import Term
@@ -33,45 +29,40 @@ from identify.model.model import Term
 _CYCLES = 30.0
 """Cycles of each of the two, at most: what a record of a few seconds has."""
 
-_LOOKED_AT, _BEAM = 6, 3
-"""Of the best single candidates so many are looked at, and so many get a second effect beside them."""
+_BEAM = 3
+"""Of the best single candidates so many get a second effect beside them."""
 
 
 @dataclass(frozen=True, eq=False)
 class FewReleases:
-    """The baseline of all releases, `whole`, that of a few of them, and the candidates as refitted to the few.
-
-    `places` are those of the few among all.
-    """
+    """The `baseline` of a few releases, at some `places` among those of the baseline of all, `whole`."""
 
     whole: Baseline
     baseline: Baseline
-    tried: tuple[Candidate, ...]
     places: tuple[int, ...]
 
     @classmethod
-    def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
+    def of(cls, whole: Baseline) -> Self:
         """Take the first cycles of the releases of the largest and the smallest amplitude; all where there are only two."""
         order = sorted(range(len(whole.decays)), key=lambda i: -whole.decays[i].amplitude)
         places = tuple(sorted({order[0], order[-1]}))
         if len(places) == len(whole.decays):
-            return cls(whole, whole, tried, places)
+            return cls(whole, whole, places)
         decays = tuple(first_cycles(whole.decays[i], _CYCLES) for i in places)
         windows = tuple(
             whole.fit.windows[i].part(slice(len(prepared.window)))
             for i, prepared in zip(places, decays, strict=True)
         )
+        start = whole.fit.of_windows(places)
+        base = fit(whole.fit.model, windows, start, whole.fit.frequency, near=True)
+        return cls(whole, Baseline(decays, base, tuple(whole.floors[i] for i in places)), places)
 
-        def refitted(found: Fit, goal: float = 0.0) -> Fit:
-            start = found.of_windows(places)
-            return fit(found.model, windows, start, found.frequency, near=True, goal=goal)
-
-        base = refitted(whole.fit)
-        baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
-        scales = scales_of(decays[0], residual_lines(base))
-        goal = baseline.highest * base.degrees
-        few = (score_candidate(refitted(c.fit, goal), base, c.term, scales) for c in tried)
-        return cls(whole, baseline, tuple(sorted(few, key=lambda c: -c.evidence)), places)
+    def on_few(self, found: Fit) -> Fit:
+        """Fit a model that was found on all releases to the few."""
+        if self.baseline is self.whole:
+            return found
+        windows, start = self.baseline.fit.windows, found.of_windows(self.places)
+        return fit(found.model, windows, start, found.frequency, near=True)
 
     def on_all(self, found: Fit) -> Fit:
         """Fit a model that was found on the few releases to all of them."""
@@ -105,56 +96,53 @@ class Several:
 def several_effects(
     baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Several | None:
-    """Find the effects that together explain some releases; None where none do. `tried` are single ones, best first."""
-    few = FewReleases.of(baseline, tried)
-    for several in _reaching(few.baseline, few.tried, library):
-        whole = few.on_all(several.fit)
-        if baseline.adequate(whole):
-            return replace(several, fit=whole)
+    """Find the effects that together explain some releases; None where none do. `tried` are single ones, best first.
+
+    On a few of the releases and on all of them they must reach the floor, there with plausible values.
+    """
+    few = FewReleases.of(baseline)
+    for several in _in_order(few, tried, library):
+        if few.baseline.adequate(several.fit) and _makes_sense(few.baseline, several):
+            whole = few.on_all(several.fit)
+            if baseline.adequate(whole):
+                return replace(several, fit=whole)
     return None
 
 
-def _reaching(
-    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+def _in_order(
+    few: FewReleases, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield the sets that reach the floor with plausible values: a law of a free exponent, two effects, or three.
+    """Yield the sets to judge, fitted to a few releases: a law of a free exponent, two effects, or three.
 
     Forces that explain most together, by equation error, come before what goes with the best single candidates, faults of
     sensors among it.
     """
+    baseline = few.baseline
     goal = baseline.highest * baseline.fit.degrees
-    laws = laws_of_free_exponent(baseline, [candidate.name for candidate in tried], goal)
-    reaching = (law for law in laws if law.plausible and baseline.adequate(law.fit))
-    yield from (Several(law.fit, (law.term,)) for law in reaching)
-    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    for law in laws_of_free_exponent(baseline, [candidate.name for candidate in tried], goal):
+        yield Several(law.fit, (law.term,))
+    largest = baseline.largest
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    scales = scales_of(largest, residual_lines(baseline.fit))
+    scales = scales_of(largest, baseline.scales.lines)
     pairs, triples = promising_sets(largest, baseline.fit.model, terms, scales)
     yield from _together(baseline, pairs)
-    yield from _beside_the_best(baseline, tried, library)
+    yield from _beside_the_best(few, tried, library)
     yield from _together(baseline, triples)
 
 
-def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator[Several]:
-    """Yield the sets of forces that reach the floor, the most probable first; each is fitted as a whole.
-
-    Where none does, the one that leaves least begins anew from other values before it is given up.
-    """
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    found = [_fitted(baseline, one) for one in sets]
-    reaching = [one for one in found if baseline.adequate(one.fit)]
-    if found and not reaching:
-        closest = min(found, key=lambda one: one.fit.chi_square)
-        reaching = [one for one in (_begun_anew(baseline, closest),) if baseline.adequate(one.fit)]
-    for one in sorted(reaching, key=lambda one: -evidence(baseline.fit, one.fit, scales)):
-        if all(_makes_sense(baseline, one.fit, term) for term in one.terms):
-            yield one
-
-
-def _makes_sense(baseline: Baseline, found: Fit, term: Term) -> bool:
+def _makes_sense(baseline: Baseline, several: Several) -> bool:
     """Check that each of several effects has plausible values, and that the rest before the releases allows it."""
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    return is_plausible(found, term, scales) and at_rest(baseline.decays, found, term) > DENIED
+    return all(
+        is_plausible(several.fit, term, baseline.scales)
+        and at_rest(baseline.decays, several.fit, term) > DENIED
+        for term in several.terms
+    )
+
+
+def _together(baseline: Baseline, sets: Sequence[tuple[Begun, ...]]) -> Iterator[Several]:
+    """Yield sets of forces, each fitted as a whole, the most probable first."""
+    found = [_fitted(baseline, one) for one in sets]
+    yield from sorted(found, key=lambda one: -evidence(baseline.fit, one.fit, baseline.scales))
 
 
 def _fitted(baseline: Baseline, together: tuple[Begun, ...]) -> Several:
@@ -168,35 +156,17 @@ def _fitted(baseline: Baseline, together: tuple[Begun, ...]) -> Several:
     return Several(found, tuple(begun.term for begun in together))
 
 
-def _begun_anew(baseline: Baseline, several: Several) -> Several:
-    """Fit some effects again, each in turn from all its starting values, and keep the best fit."""
-    found = several.fit
-    for term in sorted(several.terms, key=lambda term: -len(term.effect.inner)):
-        less = fit(found.model.minus(term.effect.name), found.windows, found.point, found.frequency)
-        if not np.isfinite(less.chi_square):
-            continue
-        again = try_terms(baseline.decays, less, (term,))
-        found = min((found, *(c.fit for c in again)), key=lambda one: one.chi_square)
-        if baseline.adequate(found):
-            break
-    return replace(several, fit=found)
-
-
 def _beside_the_best(
-    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    few: FewReleases, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
     """Yield the best single candidates, each with its best partner: a fault beside a force, anything beside a fault."""
-    looked_at = sorted(tried[:_LOOKED_AT], key=lambda c: (not c.plausible, -c.evidence))
-    for first in looked_at[:_BEAM]:
-        terms = candidate_terms(first.fit.model, library, first.fit.windows[0])
+    baseline = few.baseline
+    for first in [candidate for candidate in tried if candidate.plausible][:_BEAM]:
+        alone = few.on_few(first.fit)
+        terms = candidate_terms(alone.model, library, alone.windows[0])
         if first.term.is_force:
             terms = tuple(term for term in terms if not term.is_force)
-        goal = baseline.highest * first.fit.degrees
-        seconds = try_terms(baseline.decays, first.fit, terms, goal=goal)
-        second = max(
-            (c for c in seconds if at_rest(baseline.decays, c.fit, c.term) > DENIED),
-            key=lambda c: c.evidence + at_rest(baseline.decays, c.fit, c.term),
-            default=None,
-        )
-        if second is not None and first.plausible and second.plausible and baseline.adequate(second.fit):
+        seconds = try_terms(baseline.decays, alone, terms, goal=baseline.highest * alone.degrees)
+        if seconds:
+            second = max(seconds, key=lambda c: c.evidence + at_rest(baseline.decays, c.fit, c.term))
             yield Several(second.fit, (first.term, second.term))

@@ -3,24 +3,20 @@
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence
-from identify.fitting.baseline import Baseline
+from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.judging.beginning import Beginning, begin
-from identify.judging.linear_gain import LINEAR_UP_TO, Slope
+from identify.judging.linear_gain import Slope, is_near
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.spectrum import strongest_lines
 
-_LINES = 3
 _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
@@ -43,17 +39,6 @@ class Candidate:
     def name(self) -> str:
         """The effect's name."""
         return self.term.effect.name
-
-
-def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
-    """Find the strongest lines of each channel's residual, over all windows: (Hz, amplitude, phase at the release)."""
-    lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
-    for i, window in enumerate(found.windows):
-        for channel in window.channels:
-            residual = np.where(window.used[channel], found.residual(channel, i), 0.0)[window.lead :]
-            time = window.time + window.lead / window.rate
-            lines[channel] = lines.get(channel, ()) + strongest_lines(residual, window.rate, time, _LINES)
-    return lines
 
 
 def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
@@ -105,11 +90,11 @@ def try_terms(
     of the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    near = Slope.of(base) if base.reduced < LINEAR_UP_TO else None
+    slope = Slope.of(base) if by_gain and is_near(base) else None
     whole = 2 * len(terms)
     begun: list[Beginning] = []
     for done, term in enumerate(terms, 1):
-        begun += begin(decays, base, near, term, scales, goal or 0.0, by_gain=by_gain)
+        begun += begin(decays, base, slope, term, scales, goal or 0.0)
         counted(done, whole)
     begun.sort(key=lambda beginning: beginning.cost)
     whole = len(terms) + len(begun)

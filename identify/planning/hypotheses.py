@@ -9,7 +9,7 @@ from identify.arrays import Array
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
-from identify.fitting.baseline import Baseline
+from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import close_starts, scales_of
 from identify.fitting.random_walk import RandomWalk
@@ -17,7 +17,7 @@ from identify.formatting import among, plain_name
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.ranking import at_rest, dispersion
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import candidate_terms, laws_of_free_exponent, residual_lines, try_terms
+from identify.judging.suspects import candidate_terms, laws_of_free_exponent, try_terms
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -96,7 +96,7 @@ def hypotheses_of(
             del found[()]
         found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    scales = baseline.scales
     recorded = replace(scales, duration=max(map(_recorded, baseline.decays)))
     for suspect in sorted(suspects, key=lambda one: (quiet and not _hides(one), one.fit.chi_square)):
         name = suspect.effect.name

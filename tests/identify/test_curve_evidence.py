@@ -52,7 +52,7 @@ def test_the_likeliest_law_is_named_and_one_as_likely_is_its_rival():
 
 def test_nothing_is_named_that_may_be_none_or_a_drift_or_any_of_many():
     assert decided(cubic_stiffness=2.0).verdict == "nothing"
-    assert decided().lead is None
+    assert decided().names == ()
     assert decided(cubic_stiffness=12.0, settling_stiffness=10.0).verdict == "may drift"
     assert decided(cubic_stiffness=20.0, settling_stiffness=10.0).verdict == "named"
     many = dict.fromkeys(NAMES[:6], 12.0)

@@ -32,13 +32,13 @@ def test_the_largest_and_the_smallest_amplitude_are_searched_and_all_are_fitted_
     decays = several("cubic_stiffness", SPRING)
     whole = fit_baseline(decays, base_model())
     library = (find_effect("cubic_stiffness"), find_effect("clipping"))
-    tried = singles(whole, library)
-    few = FewReleases.of(whole, tried)
+    (cubic,) = (one for one in singles(whole, library) if one.name == "cubic_stiffness")
+    few = FewReleases.of(whole)
     assert few.places == (1, 2)
     assert len(few.baseline.fit.windows) == 2
-    by_name = {c.name: c for c in few.tried}
-    assert by_name.keys() == {c.name for c in tried}
-    again = few.on_all(by_name["cubic_stiffness"].fit)
+    alone = few.on_few(cubic.fit)
+    assert len(alone.windows) == 2
+    again = few.on_all(alone)
     k3 = again.values["cubic_stiffness.k3"]
     assert abs(k3.value - 9000.0) < 5.0 * k3.std
     assert again.reduced < 1.1
@@ -62,8 +62,9 @@ def test_six_releases_of_three_cycles_each_name_together_what_none_can_alone():
 def test_of_two_releases_both_are_searched():
     decays = several("cubic_stiffness", SPRING, amplitudes=(0.02, 0.01))
     whole = fit_baseline(decays, base_model())
-    few = FewReleases.of(whole, ())
+    few = FewReleases.of(whole)
     assert few.baseline is whole
+    assert few.on_few(whole.fit) is whole.fit
     assert few.on_all(whole.fit) is whole.fit
 
 

@@ -7,8 +7,8 @@ from releases import drawn
 
 import identify
 from identify.effects.library import LIBRARY, find_effect
-from identify.fitting.baseline import fit_baseline
-from identify.judging.suspects import candidate_terms, residual_lines, try_terms
+from identify.fitting.baseline import fit_baseline, residual_lines
+from identify.judging.suspects import candidate_terms, try_terms
 from identify.model.model import Term, base_model
 
 

@@ -56,6 +56,10 @@ class CurveForm:
         """Return the position of a motion along the curve, shape (n,)."""
         return {"u": u, "v": v, "t": time, "abs(v)": np.abs(v)}[self.over]
 
+    def multiplied(self, u: Array, v: Array) -> Array:
+        """Return what the curve multiplies along a motion, shape (n,)."""
+        return {"": np.ones_like(u), "sgn(v)": np.sign(v), "u": u, "v": v}[self.factor]
+
     def basis(self, position: Array) -> Array:
         """Return the six B-splines at positions (n,), shape (n, 6)."""
         step = (self.high - self.low) / (COUNT - 1)
@@ -65,8 +69,7 @@ class CurveForm:
 
     def along(self, time: Array, u: Array, v: Array) -> Array:
         """Return the force of each coefficient along a motion, shape (n, 6)."""
-        multiplied = {"": np.ones_like(u), "sgn(v)": np.sign(v), "u": u, "v": v}[self.factor]
-        return np.asarray(self.basis(self.position(time, u, v)) * multiplied[:, None])
+        return np.asarray(self.basis(self.position(time, u, v)) * self.multiplied(u, v)[:, None])
 
 
 def read_curve(formula: str) -> CurveForm | None:
