@@ -67,8 +67,9 @@ LIBRARY: tuple[Effect, ...] = (
 )
 
 
-def find_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
+def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
     """Return the effect of that name, as "stribeck_friction" or "Stribeck friction"; KeyError when there is none."""
+    library = LIBRARY if library is None else library
     wanted = "_".join(name.lower().split())
     for effect in library:
         if effect.name.lower() == wanted:
