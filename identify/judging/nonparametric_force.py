@@ -36,13 +36,17 @@ _MOST_COORDINATES = 3
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The missing force per unit mass along one coordinate: positions, force and its standard error, shape (m,)."""
+    """The missing force per unit mass along one coordinate: positions, force and its standard error, shape (m,).
+
+    A change of stiffness or damping with time is given as its force at the displacement or velocity `at`, the largest.
+    """
 
     coordinate: str
     unit: str
     position: Array
     force: Array
     std: Array
+    at: float = 1.0
 
 
 _FEWEST_HELD = 60
@@ -181,20 +185,21 @@ def _shapes(
     """Regress the misfit on each coordinate alone, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()
-    for name, (position, _) in _coordinates(prepared).items():
+    for name, (position, factor) in _coordinates(prepared).items():
         left = float(np.sum((target - _smooth([blocks[name]], target, used, 1e-2))[used] ** 2))
         order = np.argsort(position[used])
         low, high = position[used][order[[0, -1]]]
         edges = np.linspace(low, high, 41)
         middle = 0.5 * (edges[1:] + edges[:-1])
         bins = np.clip(np.digitize(position[used], edges) - 1, 0, 39)
-        factor = np.sign(prepared.motion.velocity[used]) if "friction" in name else np.ones(int(used.sum()))
-        count = np.maximum(np.bincount(bins, minlength=40), 1)
-        mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
-        square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count
-        std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
+        at = float(np.max(np.abs(factor[used])))
+        share = factor[used] / at
+        weight = np.maximum(np.bincount(bins, weights=share**2, minlength=40), 1e-9)
+        force = np.bincount(bins, weights=target[used] * share, minlength=40) / weight
+        square = np.bincount(bins, weights=(target[used] - force[bins] * share) ** 2, minlength=40)
+        std = np.sqrt(square / np.maximum(np.bincount(bins, minlength=40), 1) / weight)
         unit = {"t": "s", "u": prepared.window.unit}.get(_FORMS[name][0].over, f"{prepared.window.unit}/s")
-        ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
+        ranked.append((left, Shape(name, unit, frozen(middle), frozen(force), frozen(std), at)))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
 
 

@@ -264,7 +264,7 @@ def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: in
     if isinstance(one.beside, NonparametricForce):  # beyond where it was seen it stays as it is
         first = one.beside.shapes[0]
         position, factor = coordinates(time, u, v)[first.coordinate]
-        return np.asarray(np.interp(position, first.position, first.force) * factor)
+        return np.asarray(np.interp(position, first.position, first.force) * factor / first.at)
     assert one.beside is not None
     steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
     stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
