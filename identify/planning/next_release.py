@@ -175,7 +175,8 @@ def next_release(
         varied = question.ask(_variations(best.experiment, lead.fit, bounds))
         tried = question.refined([*tried, *varied])
     pair = question.pair(tried)
-    tried = [question.refitted(one, [pair]) if one.experiment == again else one for one in tried]
+    asked = (again, best.experiment)
+    tried = [question.refitted(one, [pair]) if one.experiment in asked else one for one in tried]
     options = tuple(question.option(one, pair) for one in tried)
     known = (option for option, one in zip(options, tried, strict=True) if pair in one.refitted)
     chosen = max(known, key=lambda option: option.worth)
