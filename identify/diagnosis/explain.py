@@ -263,10 +263,11 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
     rest = "the residual has no name"
-    if most and baseline.adequate(most[0].fit):
+    shown = most or [best]
+    if baseline.adequate(shown[0].fit):
         alone = "one release is not enough to confirm it"
-        rest = "this record does not distinguish them" if len(most) > 1 else alone
-    leaves = _each_leaves(baseline, most or [best])
+        rest = "this record does not distinguish them" if len(shown) > 1 else alone
+    leaves = _each_leaves(baseline, shown)
     return f"Something is missing: the model leaves {whole}. {leaves}, {floor}: {rest}."
 
 
@@ -303,12 +304,12 @@ def _unknown(
     if shape is None or not shape.coordinates:
         return f"{first} No smooth force in displacement, velocity or time explains it either."
     peak = shape.shapes[0]
-    at = int(np.argmax(np.abs(peak.force)))
-    unit = f" {baseline.fit.windows[0].unit}/s^2" if peak.unit else ""
+    at = int(np.argmax(np.abs(peak.force) / np.maximum(peak.std, 1e-300)))
+    unit = baseline.fit.windows[0].unit
     return (
         f"{first} A free-form force explains {100.0 * shape.explained:.0f} % of the rest; it depends on "
-        f"{' and '.join(shape.coordinates)} and is largest near {peak.position[at]:.3g} {peak.unit} "
-        f"({peak.force[at]:+.2g}{unit})."
+        f"{' and '.join(shape.coordinates)} and is clearest near {peak.position[at]:.3g} {peak.unit} "
+        f"({peak.force[at]:+.2g} {unit}/s^2{peak.where and f' {peak.where}'})."
     )
 
 

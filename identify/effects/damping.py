@@ -25,7 +25,7 @@ QUADRATIC_DAMPING = ForceEffect(
     shows_detection_limit=True,
     symptom="the decrement grows in proportion to the amplitude",
     confirming_test="release from twice the amplitude: the extra decrement doubles",
-    confusable_with=("cubic_damping", "position_dependent_damping"),
+    confusable_with=("cubic_damping", "position_dependent_damping", "fading_damping"),
 )
 
 CUBIC_DAMPING = ForceEffect(
@@ -89,5 +89,5 @@ POSITION_DEPENDENT_FRICTION = ForceEffect(
     friction=lambda t, u, v, z, p: p[0] * abs(u),
     symptom="loss per cycle like viscous damping, but the force jumps at every reversal in proportion to amplitude",
     confirming_test="the jump of the acceleration at the reversals grows with the amplitude",
-    confusable_with=("viscous_damping", "hysteresis"),
+    confusable_with=("viscous_damping", "hysteresis", "fading_friction"),
 )

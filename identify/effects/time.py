@@ -50,14 +50,14 @@ SETTLING_STIFFNESS = ForceEffect(
 FADING_FRICTION = ForceEffect(
     **_IN_A_TIME,
     name="fading_friction",
-    title="friction that fades (warming, running in)",
+    title="friction that fades or grows with time (warming, running in)",
     equation="dmu exp(-t/tau) sgn v",
     parameters=(
-        Parameter("dmu", "m/s^2", "friction that is lost in the end, per unit mass", 0.0),
+        Parameter("dmu", "m/s^2", "friction that is lost in the end, per unit mass; negative where it grows"),
         Parameter("tau", "s", "time in which it fades", 0.0),
     ),
     friction=lambda t, u, v, z, p: p[0] * exp(-t / p[1]),
-    symptom="the straight-line decay becomes less steep with time, at any amplitude",
+    symptom="the straight-line decay becomes less steep, or steeper, with time, at any amplitude",
     confirming_test="a second release soon after the first: the friction begins where the first one ended",
     confusable_with=("fading_damping", "position_dependent_friction"),
 )
@@ -66,14 +66,14 @@ FADING_FRICTION = ForceEffect(
 FADING_DAMPING = ForceEffect(
     **_IN_A_TIME,
     name="fading_damping",
-    title="damping that fades (warming)",
+    title="damping that fades or grows with time (warming)",
     equation="c exp(-t/tau) v",
     parameters=(
-        Parameter("c", "1/s", "damping that is lost in the end, per unit mass", 0.0),
+        Parameter("c", "1/s", "damping that is lost in the end, per unit mass; negative where it grows"),
         Parameter("tau", "s", "time in which it fades", 0.0),
     ),
     force=lambda t, u, v, z, p: p[0] * exp(-t / p[1]) * v,
-    symptom="the decrement falls with time, at any amplitude",
+    symptom="the decrement falls or rises with time, at any amplitude",
     confirming_test="a second release soon after the first: the damping begins where the first one ended",
     confusable_with=("fading_friction", "quadratic_damping"),
 )

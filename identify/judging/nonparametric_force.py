@@ -38,7 +38,7 @@ _MOST_COORDINATES = 3
 class Shape:
     """The missing force per unit mass along one coordinate: positions, force and its standard error, shape (m,).
 
-    A change of stiffness or damping with time is given as its force at the displacement or velocity `at`, the largest.
+    A change of stiffness or damping with time is given as its force at the largest displacement or velocity, `at`.
     """
 
     coordinate: str
@@ -47,6 +47,12 @@ class Shape:
     force: Array
     std: Array
     at: float = 1.0
+    at_unit: str = ""
+
+    @property
+    def where(self) -> str:
+        """The displacement or velocity that the force belongs to, in words; "" where it is all the force there."""
+        return f"at {self.at:.2g} {self.at_unit}" if self.at_unit else ""
 
 
 _FEWEST_HELD = 60
@@ -198,8 +204,10 @@ def _shapes(
         force = np.bincount(bins, weights=target[used] * share, minlength=40) / weight
         square = np.bincount(bins, weights=(target[used] - force[bins] * share) ** 2, minlength=40)
         std = np.sqrt(square / np.maximum(np.bincount(bins, minlength=40), 1) / weight)
-        unit = {"t": "s", "u": prepared.window.unit}.get(_FORMS[name][0].over, f"{prepared.window.unit}/s")
-        ranked.append((left, Shape(name, unit, frozen(middle), frozen(force), frozen(std), at)))
+        form, _ = _FORMS[name]
+        units = {"t": "s", "u": prepared.window.unit, "v": f"{prepared.window.unit}/s"}
+        unit, at_unit = units[form.over.removeprefix("abs(")[0]], units.get(form.factor, "")
+        ranked.append((left, Shape(name, unit, frozen(middle), frozen(force), frozen(std), at, at_unit)))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
 
 

@@ -167,6 +167,8 @@ def _beside_the_best(
         if first.term.is_force:
             terms = tuple(term for term in terms if not term.is_force)
         seconds = try_terms(baseline.decays, alone, terms, goal=baseline.highest * alone.degrees)
-        if seconds:
-            second = max(seconds, key=lambda c: c.evidence + at_rest(baseline.decays, c.fit, c.term))
+        rest = {one: at_rest(baseline.decays, one.fit, one.term) for one in seconds}
+        allowed = [one for one in seconds if rest[one] > DENIED]
+        if allowed:
+            second = max(allowed, key=lambda one: one.evidence + rest[one])
             yield Several(second.fit, (first.term, second.term))

@@ -190,9 +190,9 @@ def _swapped(
     if len(named) < 2 or not baseline.floor_is_sure:
         return []
     found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
-    for name in named:
-        alike = terms[name].effect.confusable_with
-        others = [terms[n] for n in alike if n in terms and n not in final.model]
+    for name in [one for one in named if one in final.model]:
+        own = next(term.effect for term in final.model.terms if term.effect.name == name)
+        others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
         if others:
             less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
             for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS])):

@@ -28,7 +28,7 @@ def weighed_anew(
         start = initial_nuisances(whole, one.fit.model, one.fit.point) | _shared(one.fit, len(whole))
         refits[one] = fit(one.fit.model, windows, start, one.fit.frequency, near=True, tolerance=1.0)
     found = (
-        replace(one, fit=refit, log_odds=evidence(refits[least], refit, scales))
+        replace(one, fit=refit, free=None, log_odds=evidence(refits[least], refit, scales))
         for one, refit in refits.items()
     )
     return tuple(sorted(found, key=lambda one: -one.log_odds))

@@ -81,13 +81,14 @@ class FindingDocument(Part):
 
 
 class CurveDocument(Part):
-    """The missing force per unit mass along one coordinate."""
+    """The missing force per unit mass along one coordinate; `where` is the displacement or velocity that it belongs to."""
 
     coordinate: str
     unit: str
     position: Numbers
     force_per_mass: Numbers = Field(validation_alias="force")
     std: Numbers
+    where: str = ""
 
 
 class ShapeDocument(Part):

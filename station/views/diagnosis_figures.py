@@ -55,7 +55,7 @@ def shape(curve: CurveDocument, weighing: Weighing) -> Picture:
     )
     unit = f"{weighing.unit}/s^2"
     form = MeasuredCurve("", "", curve.coordinate, curve.unit, position, force, std, unit)
-    return measured_curve(form, weighing, words="missing force per unit mass")
+    return measured_curve(form, weighing, words=f"missing force per unit mass {curve.where}".strip())
 
 
 def measured_curve(

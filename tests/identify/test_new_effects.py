@@ -20,6 +20,8 @@ ALL = (*LIBRARY, *(family.effect for family in FAMILIES))
 CASES = {
     "signed_quadratic_stiffness": {"k2a": 700.0},
     "settling_stiffness": {"r": 0.02, "tau": 2.0},
+    "fading_friction": {"dmu": 0.08, "tau": 2.0},
+    "fading_damping": {"c": 0.2, "tau": 2.0},
     "impact_with_loss": {"ks": 80.0, "gap": 0.01, "side": -1.0, "loss": 1.5},
     "dahl_friction": {"kd": 60.0, "ud": 0.001},
     "power_law_stiffness": {"f": 0.3, "p": 1.5, "at": 0.02},

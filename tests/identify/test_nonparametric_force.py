@@ -23,6 +23,7 @@ def test_a_stiffness_that_drifts_is_given_as_its_force_at_the_largest_displaceme
     drift = truth["parameters"]["rate"] * truth["stiffness_per_mass"]
     assert shape.at == pytest.approx(abs(truth["from_m"]), rel=0.1)
     assert slope == pytest.approx(drift * shape.at, rel=0.3)
+    assert shape.where == f"at {shape.at:.2g} m"
 
 
 def test_a_spring_that_hardens_is_given_as_its_force_there():
