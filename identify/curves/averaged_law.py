@@ -56,9 +56,15 @@ class AveragedLaw:
 
     @property
     def shapeless(self) -> bool:
-        """Whether the curves cannot tell the effect from a linear spring and damper."""
+        """Whether the curves cannot tell the effect from a linear spring and damper.
+
+        Nor from a damper that walks at random, which every hypothesis has: a loss that changes with time.
+        """
         if self.term.effect.of_time:
-            return False
+            return all(
+                not np.abs(one.stiffening).max() > _SHAPELESS * np.abs(one.damping).max()
+                for one in self.signatures
+            )
         some = [0, len(self.amplitudes) // 2, -1]
         (signature,) = self.signatures
         for values in (signature.damping[some], signature.stiffening[some]):

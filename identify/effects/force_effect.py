@@ -39,7 +39,7 @@ class LinearPart(IntEnum):
 class ForceEffect(Effect):
     """A force per unit mass on the left of u'' + ... = 0, proportional to its first parameter, the strength.
 
-    `force`, `friction` and `rates` are functions of (t, u, v, z, p), which are compiled: `friction` is a level >= 0 that
+    `force`, `friction` and `rates` are functions of (t, u, v, z, p), which are compiled: `friction` is a level that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release, and
     `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in `p`:
     by "effect.parameter", each with its rough value at an angular frequency (rad/s). `equilibrium_state(u, p)` gives the
