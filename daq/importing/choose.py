@@ -44,6 +44,8 @@ def choose_columns(
     chosen: dict[str, SourceColumn] = {}
     for quantity, wanted in options.named.items():
         column = named(table, wanted, quantity)
+        if column.bad is None and not np.isfinite(column.values).any():
+            raise problem(table.path, f"{column.place} holds no numbers", "name another one")
         other = next((q for q, c in chosen.items() if c is column), None)
         if other is not None:
             raise problem(

@@ -175,4 +175,6 @@ def meaning(header: str, unit_row: str = "") -> Meaning:
         quantity, strength = _letter(name_words), 1
     if quantity is None or other:
         return Meaning(None, 0, unit, unit_text, angular, derived, other)
+    if unit is not None and unit.quantity is not None and unit.quantity != quantity:
+        unit, unit_text = None, ""
     return Meaning(quantity, strength, unit, unit_text, angular, derived, other)

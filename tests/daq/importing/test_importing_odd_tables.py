@@ -484,3 +484,17 @@ def test_a_recipe_says_where_the_table_of_a_json_file_is(tmp_path: Path) -> None
     wrong = recipe.model_copy(update={"dialect": recipe.dialect.model_copy(update={"property": "test.none"})})
     with pytest.raises(ImportProblem, match=r"no table of numbers under 'test\.none'"):
         look_at(tmp_path / "a.json", recipe=wrong)
+
+
+def test_the_end_of_a_name_that_is_no_unit_of_its_quantity_is_part_of_the_name(tmp_path: Path) -> None:
+    t, x, _, _ = swing(1000)
+    assert "2 columns could be the displacement" in refusal(
+        tmp_path, table("time,angle_h,angle", t, 50 * x, 25 * x)
+    )
+
+
+def test_a_column_named_for_a_quantity_that_holds_no_number_is_refused_by_its_name(tmp_path: Path) -> None:
+    t, _, v, _ = swing()
+    text = table("time,x,v", t, np.full(len(t), np.nan), v)
+    told = refusal(tmp_path, text, columns={"displacement": "x"})
+    assert "column 2 'x' holds no numbers; name another one" in told
