@@ -152,6 +152,6 @@ def test_the_sketch_compiles_with_the_arduino_s_own_core(tmp_path: Path) -> None
     with boards.mega(tmp_path, image) as board, Link(open_port(board.port)) as link:
         assert link.handshake().board == "Arduino Mega 2560"
         link.start()
-        link.wait(lambda message: False, 0.5)
+        link.wait(lambda message: link.assembly.samples.received > 64, 60.0)
         link.stop()
         assert link.assembly.recording().samples.shape[1] > 64
