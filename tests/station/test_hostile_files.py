@@ -12,7 +12,7 @@ import pytest
 
 from daq.sources.text_lines import parse_line
 
-LIMIT_S = 100  # to end a hang; what is read takes seconds
+LIMIT_S = 400  # to end a hang; what is read takes seconds
 GIGABYTE = 1_000_000_000
 READ = """
 import re, sys
