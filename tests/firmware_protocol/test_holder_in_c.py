@@ -95,7 +95,7 @@ class Rig(BenchHost):
 
     def take(self, samples: int) -> None:
         """Take so many samples more."""
-        last, until = len(self.samples()) + samples, time.monotonic() + 10
+        last, until = len(self.samples()) + samples, time.monotonic() + 60  # to end a hang
         while len(self.samples()) < last:
             assert time.monotonic() < until, f"no samples; the last frames: {self.frames[-3:]}"
             self.listen()
