@@ -84,10 +84,6 @@ CHANNELS = {
     "displacement": ("displacement",),
     "acceleration": ("acceleration",),
 }
-DRAWN = (
-    "stiffness 100 to 6000 1/s^2, amplitude 3 to 30 mm, 12 to 400 readings and 6 to 60 cycles, dry friction 0.1 to 3 % of the "
-    "spring's force, damping ratio 0.1 to 3 %, noise 0.03 to 6 % of the motion, 10 to 16 bits, a rest of 0.3 to 2 s"
-)
 
 
 def score(seed: int) -> tuple[str, dict[str, dict[str, float]], str]:

@@ -67,25 +67,20 @@ class IsolatedMode:
             raise NotIdentifiable("The record shows no oscillation to draw a curve of.")
         centre, half = _centres(values, used, window.rate, mean)
 
-        def windows(frequency: Array) -> HarmonicWindows:
-            return HarmonicWindows.over(
-                used,
-                window.rate,
-                centre,
-                half,
-                frequency,
-                lambda s: np.cos(0.5 * np.pi * s / half) ** 2,
-                drift=True,
-            )
+        def weight(distance: Array) -> Array:
+            return np.cos(0.5 * np.pi * distance / half) ** 2
 
-        centre = centre[windows(np.full(len(centre), mean)).support >= _SEEN]
+        def windows(centre: Array, frequency: Array) -> HarmonicWindows:
+            return HarmonicWindows.over(used, window.rate, centre, half, frequency, weight, drift=True)
+
+        centre = centre[windows(centre, np.full(len(centre), mean)).support >= _SEEN]
         if len(centre) < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)
         frequency = np.full(len(centre), mean)
         for _ in range(_TURNS):
-            p, q, _ = windows(frequency)(values)
+            p, q, _ = windows(centre, frequency)(values)
             frequency = np.clip(_smoothed(frequency + (q / p).imag), 0.5 * mean, 2.0 * mean)
-        whole = cls(channel, window.time + centre, windows(frequency), frequency, window.lightness)
+        whole = cls(channel, window.time + centre, windows(centre, frequency), frequency, window.lightness)
         kept = slice(int(np.argmax(whole.curve(values).amplitude[: _RISES + 1])), None)
         if len(centre[kept]) < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)

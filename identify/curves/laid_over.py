@@ -87,8 +87,9 @@ def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[A
                 break
             own = _set_to(one.curve, run, law)
             again = simulated_curve(one, law.model, own.values)
-            if again is not None:
-                law, run = own, again
+            if again is None:
+                break
+            law, run = own, again
         if run is not None and np.isfinite(run.frequency).all():
             curves.append(AmplitudeCurve.predicted(run, one.place).down_to(float(one.curve.amplitude.min())))
     return tuple(curves)

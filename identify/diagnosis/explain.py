@@ -293,8 +293,8 @@ def _unknown(
     if suspects and suspects[0].claimed:
         best = min(tried, key=lambda s: s.error_after, default=suspects[0])
     first = _what_is_missing(baseline, best, suspects)
-    asked = baseline.floor_is_sure or baseline.decays[0].window.force is not None
-    if not asked and judgement.confirmation is None:
+    by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
+    if by_curves and judgement.confirmation is None:
         first += (
             " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."

@@ -136,14 +136,14 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
     parts, reach = [], _reach(found)
     if reach < _REACHED * limits.high:
         amplitude = amplitude_words(reach, found.baseline.decays[0].window.unit)
-        parts.append(f"A force that begins above {amplitude} was not seen.")
+        parts.append(f"A force that begins only above {amplitude} could not be seen.")
     if near:
         has, explains = ("has", "explains") if len(near) == 1 else ("have", "explain")
         laws = among([one.title for one in near])
         parts.append(f"This rig cannot exclude {laws}, which {has} more parameters and {explains} no more.")
-    named = next(one.fit for one in found.hypotheses if one.names == leading(found))
+    named = found.hypotheses[0].fit
     for one in found.hypotheses:
-        if one.free and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
+        if one.free is not None and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
@@ -171,7 +171,7 @@ def _near(found: Diagnosis) -> list[Hypothesis]:
 
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
     """Check whether another hypothesis has more parameters than what is named, yet explains no more."""
-    named = next(one for one in found.hypotheses if one.names == leading(found))
+    named = found.hypotheses[0]
     own = len(other.fit.parameters) + len(other.within)
     more = own > len(named.fit.parameters)
     return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN

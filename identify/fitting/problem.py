@@ -6,6 +6,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import STATES
+from identify.effects.force_effect import LinearPart
 from identify.fitting.block_jacobian import BlockPattern
 from identify.fitting.parameter_layout import NOWHERE, ParameterLayout, amplitude_of
 from identify.model.model import Model
@@ -59,7 +60,7 @@ class Problem:
         self.unknowns = tuple(self.layout.unknowns)
         system = make_system(tuple(term.force for term in self.layout.forces))
         # Steps end at reversals even where dry friction is just zero: a slope there is that of friction.
-        dry = system.has_friction or self.layout.linear[2] != NOWHERE
+        dry = system.has_friction or self.layout.linear[LinearPart.DRY_FRICTION] != NOWHERE
         self.system = replace(system, has_friction=dry)
         self.low = np.array([u.low for u in self.unknowns])
         self.high = np.array([u.high for u in self.unknowns])

@@ -193,9 +193,7 @@ def _shapes(
     target = misfit - misfit[used].mean()
     for name, (position, factor) in _coordinates(prepared).items():
         left = float(np.sum((target - _smooth([blocks[name]], target, used, 1e-2))[used] ** 2))
-        order = np.argsort(position[used])
-        low, high = position[used][order[[0, -1]]]
-        edges = np.linspace(low, high, 41)
+        edges = np.linspace(position[used].min(), position[used].max(), 41)
         middle = 0.5 * (edges[1:] + edges[:-1])
         bins = np.clip(np.digitize(position[used], edges) - 1, 0, 39)
         at = float(np.max(np.abs(factor[used])))

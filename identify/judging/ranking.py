@@ -16,7 +16,7 @@ from identify.fitting.fit import Fit
 from identify.judging.suspects import Candidate
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
+from identify.priors import RIVALS_WITHIN
 
 
 def rivals_of(entry: Candidate, ranked: tuple[Candidate, ...]) -> tuple[str, ...]:
@@ -40,10 +40,10 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
         evidence(baseline.fit, c.fit, baseline.scales, widened) + at_rest(baseline.decays, c.fit, c.term)
         for c in tried
     ]
-    doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
-    sure = nothing(nats) < doubt
+    sure = nothing(nats) < baseline.alpha
     ranked = (
-        replace(c, evidence=n, claimed=sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True)
+        replace(c, evidence=n, claimed=sure and n > -np.log(baseline.alpha))
+        for c, n in zip(tried, nats, strict=True)
     )
     return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
 

@@ -176,7 +176,7 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
             continue
         half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
         start = first + int(half[-1]) if len(half) else first
-        stop = _where_it_ends(amplitude, peak, floor, lap)
+        stop = _where_it_ends(amplitude, peak, floor)
         bursts.append(_Burst(start * step, min(stop * step, len(lead.values)), float(amplitude[peak])))
         position = max(stop, peak + 1)
     return bursts
@@ -195,7 +195,7 @@ def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
     )
 
 
-def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
+def _where_it_ends(amplitude: Array, peak: int, floor: float) -> int:
     """The first place after the peak that is below the floor, or from which the amplitude rises steeply again."""
     n = len(amplitude)
     lowest = np.minimum.accumulate(amplitude[peak:])
@@ -234,7 +234,7 @@ def _release(rate: float, channels: list[_Channel], period: float, burst: _Burst
     hand = min(max(HAND_S * rate, 0.05 * period), period)
     letting_go = hand + (2.0 * onset.std if onset.std > 1.0 else 0.0)
     settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
-    rest = _rest(channels, found, rate, period, onset.place, earliest)
+    rest = _rest(found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
 
@@ -274,7 +274,6 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
 
 
 def _rest(
-    channels: list[_Channel],
     found: list[tuple[_Channel, Onset]],
     rate: float,
     period: float,

@@ -58,8 +58,8 @@ def test_what_is_confirmed_below_the_upper_limit_says_how_far_it_was_seen():
     specimen = Specimen("cubic_stiffness", 0.02, 11)
     found = diagnose((specimen.release(15.0), specimen.release(-15.0, 1)))
     told = guidance(found, 2, LIMITS)
-    assert told.over is ("was not seen" in told.words)
-    assert "was not seen" not in guidance(found, 2, Limits(0.002, 0.015)).words
+    assert told.over is ("could not be seen" in told.words)
+    assert "could not be seen" not in guidance(found, 2, Limits(0.002, 0.015)).words
 
 
 def test_several_effects_are_confirmed_with_one_exchanged_where_that_explains_more():

@@ -83,6 +83,8 @@ def test_the_free_form_of_a_pendulum_over_time_is_a_torque():
     for unit, word in (("rad", "torque"), ("m", "force")):
         axis = diagnosis_figures.shape(curve, Weighing(unit=unit)).axes[0]
         assert f"missing {word} per unit" in axis.get_ylabel()
+    drifting = curve.model_copy(update={"where": "at 0.016 m"})
+    assert "at 0.016 m" in diagnosis_figures.shape(drifting, Weighing(unit="m")).axes[0].get_ylabel()
 
 
 def test_the_report_shows_what_was_found(kept):
