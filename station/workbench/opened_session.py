@@ -11,7 +11,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from station.exits import UsageProblem
 from station.operations.refining import Refinement, open_refinement, step_again
-from station.results import diagnosis_document
+from station.results.diagnosis_document import NAME, DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_pictures import refitted
 from station.results.ladder import LADDER, KeptStep, read_ladder
 from station.results.models import ModelFile, known_model
@@ -36,7 +36,7 @@ class Opened:
     refinement: Refinement
     stage: Drawing = field(default_factory=dict)
     drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
-    diagnoses: dict[tuple[str, ...], diagnosis_document.DiagnosisDocument] = field(default_factory=dict)
+    diagnoses: dict[tuple[str, ...], DiagnosisDocument] = field(default_factory=dict)
     previews: dict[tuple[str, str], Drawn] = field(default_factory=dict)
 
     def draw(self, model: ModelFile, fitted: Callable[[], Fit]) -> str:
@@ -63,6 +63,19 @@ class Opened:
     def present_fit(self) -> Fit:
         """Fit the present model to the whole release."""
         return self.drawn[self.draw_step(self.refinement.ladder.top)][1]
+
+    def kept_diagnosis(self) -> DiagnosisDocument | None:
+        """Read the diagnosis that the session keeps, which another worker may have written.
+
+        One that cannot be read counts as none: the page offers a new one.
+        """
+        try:
+            kept = read_diagnosis(self.refinement.session)
+        except UsageProblem:
+            return None
+        if kept is not None:
+            self.diagnoses[tuple(kept.model.effects)] = kept
+        return kept
 
 
 @lru_cache(maxsize=MOST_OPEN)
@@ -94,17 +107,9 @@ def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
     return fit_baseline((refinement.prepared,), known.model, start | alone).fit
 
 
-def kept_diagnosis(session: Session) -> diagnosis_document.DiagnosisDocument | None:
-    """Read the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
-    try:
-        return diagnosis_document.read_diagnosis(session)
-    except UsageProblem:
-        return None
-
-
 def results_stamp(folder: Path) -> tuple[int, ...]:
     """Read a stamp that changes when a command, or another tab, has written results."""
-    return _stamp([folder / "results" / name for name in (LADDER, diagnosis_document.NAME)])
+    return _stamp([folder / "results" / name for name in (LADDER, NAME)])
 
 
 def _stamp(files: Iterable[Path]) -> tuple[int, ...]:

@@ -33,7 +33,7 @@ from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
-from station.workbench.opened_session import Opened, kept_diagnosis, open_session, results_stamp
+from station.workbench.opened_session import Opened, open_session, results_stamp
 from station.workbench.statements import called, with_effect
 from station.workbench.view_models import MOST_CARDS, Drawn, View
 
@@ -50,8 +50,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     session, weighing = opened.refinement.session, opened.refinement.weighing
     names = tuple(frame_id(step.model) for step in ladder.steps)
     opened.draw_step(ladder.top)
-    if kept := kept_diagnosis(session):
-        opened.diagnoses[tuple(kept.model.effects)] = kept
+    kept = opened.kept_diagnosis()
     own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
     effects = {effect.name: effect for effect in (*LIBRARY, *map(parsed_effect, own))}
     present = weighing.terms(effects[name] for name in ladder.top.effects)
@@ -144,6 +143,7 @@ def complete(settings: Settings, say: Say, folder: Path) -> None:
 
 
 def _suspects(opened: Opened) -> Iterator[Drawn]:
+    opened.kept_diagnosis()  # another worker may have written it since
     document = opened.diagnoses.get(tuple(opened.refinement.ladder.top.effects))
     suspects = document.suspects if document is not None else []
     shown = [suspect for suspect in suspects if suspect.model is not None][:MOST_CARDS]

@@ -3,19 +3,27 @@
 import base64
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from daq.recording import Channel
 from daq.session import Session
+from station.operations.diagnosing import diagnose_sessions
 from station.operations.examples import open_example
+from station.operations.session_set import open_sessions
+from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.pipeline import silent
+from station.suggestions import MEASURED_CURVE
 from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import DARK, LIGHT
-from station.workbench import telling
+from station.workbench import tasks, telling
+from station.workbench.view_models import Drawn
 from tests.workbench.test_page_parts import palette
+
+DUFFING = Path(__file__).resolve().parent.parent / "data" / "hidden" / "release_14.csv"
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +83,16 @@ def test_an_identification_is_told_with_both_methods_side_by_side(folder):
     told = told_by(telling.identified, folder, ())
     assert [part.kind for part in told.brief] == ["facts", "table", "facts"]
     assert told.headline.startswith(folder.name)
+
+
+def test_a_worker_draws_the_suspects_that_another_one_found(tmp_path):
+    settings = Settings(sessions=tmp_path / "sessions")
+    folder = open_session(str(DUFFING), settings.sessions).folder
+    told_by(tasks.look, folder)
+    sessions = open_sessions((str(folder),), settings)
+    found, _ = diagnose_sessions(sessions)
+    drawn = []
+    tasks.complete(settings, drawn.append, folder)
+    suspects = {name for one in drawn if isinstance(one, Drawn) for name in one.suspects}
+    assert found.named == ("cubic_stiffness",)
+    assert {"cubic_stiffness", MEASURED_CURVE} < suspects
