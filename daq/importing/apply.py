@@ -289,7 +289,7 @@ def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Re
         return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
     time.in_si(table, "time")  # refuses what is no time at all
     unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
-    return from_stamps(table, time.column, unit, values, resample=recipe.resample)
+    return from_stamps(table, time.column, unit, values, resample=recipe.resample, even=recipe.even)
 
 
 def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Timebase) -> list[str]:

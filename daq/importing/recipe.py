@@ -106,7 +106,8 @@ class Recipe(_Part):
     """All that is needed to read a file of one shape; `recipe` is the version of this form.
 
     `confirmed` says that a person has looked at it: it is used again for the next file with these fields. `rate` (Hz) takes
-    the place of time stamps. `restarts` cuts the rows where the time begins again; `runs` names those to read, all without.
+    the place of time stamps; `even` rows were read at the mean rate of their stamps, however these stray. `restarts` cuts
+    the rows where the time begins again; `runs` names those to read, all without.
     `stated` are the units that the file itself writes above its numbers: where they are others, it is another logger's file.
     """
 
@@ -116,6 +117,7 @@ class Recipe(_Part):
     encoding: str | None = Field(default=None, max_length=40)
     rate: Rate | None = None
     resample: bool = False
+    even: bool = False
     restarts: bool = False
     runs: tuple[Name, ...] = Field(default=(), max_length=MAX_COLUMNS)
     stated: tuple[Name, ...] | None = Field(default=None, max_length=MAX_COLUMNS)

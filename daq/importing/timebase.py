@@ -90,9 +90,10 @@ def from_stamps(
     values: Array,
     *,
     resample: bool,
+    even: bool,
 ) -> Timebase:
     """Return the even clock that fits the stamps of `column`; `values` (channels, n) distinguish repeated rows from equal
-    stamps.
+    stamps. `even` rows were read at the mean rate of their stamps, however these stray.
 
     Raises ImportProblem when the stamps make no clock.
     """
@@ -108,13 +109,13 @@ def from_stamps(
             USE_RATE,
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
-    index = _number_samples(table, column, time, rows, period)
+    index = np.arange(len(time)) if even else _number_samples(table, column, time, rows, period)
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
     spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
-    rebuilt = coarse and uneven and rougher > 1.0 / ROUGHER
+    rebuilt = even or (coarse and uneven and rougher > 1.0 / ROUGHER)
     believed = rougher < ROUGHER and stray <= TOO_IRREGULAR * slope
     resampled = spline and not rebuilt and (resample or believed)
     if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
@@ -122,10 +123,11 @@ def from_stamps(
         raise _no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
     notes.extend(_holes(table, index, time, rows))
     if rebuilt:
-        # the roundings of stamps may go together, as those of three digits do: no more than one whole rounding is known
-        rate_std = max(rate_std, quantum(time) / math.sqrt(12.0) / float(time[-1] - time[0]) / slope)
+        # neighbouring stamps may stray together, as those of three digits do: the record's ends are known no better than one
+        rate_std = max(rate_std, stray / float(time[-1] - time[0]) / slope)
+        said = f"no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms"
         notes.append(
-            f"{_strays(stray, slope)}, no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms: "
+            f"{_strays(stray, slope)}, {'but the rows are said to be even' if even else said}: "
             f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
@@ -276,7 +278,7 @@ def _no_clock(where: str, time: Array, slope: float, stray: float) -> NoClock:
     remedy: dict[str, Any] = {"resample": True}
     if np.mean(np.diff(time) == 0.0) >= OFTEN_EQUAL:
         what += ", and many are equal to the one before"
-        todo, remedy = f"if the rows were read evenly, {USE_RATE}", {"rate": float(f"{1 / slope:.6g}")}
+        todo, remedy = f"if the rows were read evenly, {USE_RATE}", {"even": True}
     return NoClock(where, f"{what}; {todo}", remedy)
 
 

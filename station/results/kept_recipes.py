@@ -33,7 +33,7 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
     for place, recipe in _confirmed(sessions):
         in_text = recipe.format in ("text", "serial", "json")
         written = recipe.model_copy(update={"fields": ()}) if in_text else recipe
-        key = written.model_dump_json(exclude={"rate", "resample", "restarts"})
+        key = written.model_dump_json(exclude={"rate", "resample", "even", "restarts"})
         if key not in tables:
             tables[key] = None
             with suppress(ImportProblem):

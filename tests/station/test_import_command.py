@@ -156,15 +156,15 @@ def test_an_answer_is_given_once_and_found_again_for_the_next_file_of_that_shape
     assert run(["import", "second.csv", "--recipe", "none"]) == 2
 
 
-def test_a_rate_that_only_the_stamps_of_one_file_gave_is_not_kept(capsys):
+def test_rows_that_are_said_to_be_even_are_read_at_the_rate_of_each_file_s_own_stamps(capsys):
     steps = np.random.default_rng(5).uniform(0.02, 0.1, N // 5)
     for name, scale in (("first.csv", 1.0), ("second.csv", 3.0)):
         written(name, "t (s),x (mm)", scale * np.repeat(np.cumsum(steps), 5), 9.0 * DECAY)
     answer = imported(capsys, "first.csv", "--accept")
-    assert "in place of the time stamps" in " ".join(answer["notes"])
+    assert "the rows are said to be even" in " ".join(answer["notes"])
     again = imported(capsys, "first.csv", "--recipe", f"{answer['sessions'][0]}/recipe.toml")
     assert again["rate_hz"] == answer["rate_hz"]
-    assert run(["import", "second.csv"]) == 2
+    assert imported(capsys, "second.csv")["rate_hz"] == pytest.approx(answer["rate_hz"] / 3.0)
 
 
 def test_of_a_file_of_one_recording_no_run_is_to_be_named(capsys):
