@@ -40,13 +40,13 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         length = stop - first
         if length not in by_length:
             off = _off_cubic(readings, length)
-            by_length[length] = off, float(np.quantile(off, _USUAL))
-        off, usual = by_length[length]
-        far = _FAR * max(sigma, 0.5 * step) * _amplified(length)
-        limit = far if usual < far else _UNUSUAL * usual
+            usual, far = float(np.quantile(off, _USUAL)), _FAR * max(sigma, 0.5 * step) * _amplified(length)
+            by_length[length] = off, far if usual < far else _UNUSUAL * usual
+        off, limit = by_length[length]
+        if off[first - 2] <= limit:
+            continue
         sides = _off_line(readings, first, length), _off_line(readings[::-1], n - stop, length)
-        if min(off[first - 2], *sides) > limit:
-            lost[first:stop] = True
+        lost[first:stop] = min(sides) > limit
     return lost | _spikes(readings, sigma)
 
 
