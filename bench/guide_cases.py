@@ -43,7 +43,7 @@ KINDS = {
 ALSO_RIGHT = {
     "freeplay": ({"end_stop"},),
     "freeplay+quadratic_damping": ({"end_stop", "quadratic_damping"},),
-    "lugre_friction": ({"dahl_friction", "stribeck_friction"}, {"dahl_friction"}),
+    "lugre_friction": ({"dahl_friction", "stribeck_friction"},),
     "bouc_wen_hysteresis": ({"hysteresis"},),
 }
 """Other names of the same law: freeplay is an end stop on both sides of another spring; and those that the library has."""

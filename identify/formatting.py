@@ -7,7 +7,7 @@ from typing import Protocol
 from identify.priors import DECIDES
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl",
-           "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
+           "bouc": "Bouc", "wen": "Wen", "lugre": "LuGre", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 
 DASH = "-"

@@ -1,21 +1,21 @@
-"""The families: laws with a free exponent between the effects of the library. They are no suspects by themselves."""
+"""The families: laws between the effects of the library, with a free exponent. They are no suspects by themselves."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import copysign
+from math import copysign, exp
 
 from identify.effects.effect import Parameter, Scales
 from identify.effects.force_effect import ForceEffect
-from identify.effects.joint import STIFFNESS, YIELD, joint
+from identify.effects.joint import DAHL_FRICTION, STIFFNESS, YIELD, joint
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Family:
     """A law with a free exponent, for shapes between the names: "behaves like quadratic_damping, p = 1.9 +- 0.1".
 
-    `effect` is fitted as any other force; `exponent` names its parameter. `members` gives the exponent at which the law
-    is an effect of the library, by that effect's name. `held(scales)` are the inner parameters to hold in a fit, chosen
-    so that strength and exponent are hardly correlated.
+    `effect` is fitted as any other force; `exponent` names its parameter, of LuGre's friction the rise. `members` gives the
+    exponent at which the law is an effect of the library, by that effect's name. `held(scales)` are the inner parameters
+    to hold in a fit, chosen so that strength and exponent are hardly correlated.
     """
 
     effect: ForceEffect
@@ -103,4 +103,38 @@ BOUC_WEN = Family(
     members={"hysteresis": 2.0},
 )
 
-FAMILIES: tuple[Family, ...] = (POWER_LAW_STIFFNESS, POWER_LAW_DAMPING, BOUC_WEN)
+
+def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if p[1] <= 0.0 or p[3] <= 0.0:
+        return 0.0, 0.0
+    return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-(v / p[3]) * (v / p[3])))) / p[1], 0.0
+
+
+LUGRE = Family(
+    effect=joint(
+        name="lugre_friction",
+        title="friction that gives way, and falls with the speed (LuGre)",
+        equation="kd ud z,  z' = (v/ud) (1 - z sgn v/(1 + rise exp(-(v/vs)^2)))",
+        parameters=(
+            *DAHL_FRICTION.parameters,
+            Parameter("rise", "1", "rise of the friction at low speed, over the friction", 0.0, 3.0),
+            Parameter("vs", "m/s", "speed over which it falls", 0.0),
+        ),
+        rates=_lugre_rates,
+        largest_state=4.0,
+        starts=lambda scales: tuple(
+            (ud * scales.amplitude, rise, vs * scales.speed)
+            for ud in (0.03, 0.06, 0.1, 0.16, 0.25)
+            for rise in (0.3, 0.8)
+            for vs in (0.1, 0.2, 0.35, 0.6)
+        ),
+        gives_way=DAHL_FRICTION.gives_way,
+        symptom="friction that rises gradually after each reversal, and falls again where the mass is quick",
+        confirming_test="move the mass by less than ud, slowly: it springs back; quicker it slides more easily",
+    ),
+    exponent="rise",
+    members={"dahl_friction": 0.0},
+)
+"""Canudas de Wit, Olsson, Astrom and Lischinsky (1995), without the damping of their bristles."""
+
+FAMILIES: tuple[Family, ...] = (POWER_LAW_STIFFNESS, POWER_LAW_DAMPING, BOUC_WEN, LUGRE)

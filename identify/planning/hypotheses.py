@@ -55,10 +55,8 @@ class Hypothesis:
             return "a law without a name"
         if isinstance(self.beside, RandomWalk):
             return "a random walk of spring and damper"
-        families = {family.effect.name for family in FAMILIES}
-        called = [
-            f"{plain_name(name)}{' with any exponent' if name in families else ''}" for name in self.names
-        ]
+        free = {family.effect.name: f" with any {family.exponent}" for family in FAMILIES}
+        called = [f"{plain_name(name)}{free.get(name, '')}" for name in self.names]
         return among(called) if called else "the usual model"
 
     @property

@@ -6,7 +6,7 @@ from releases import drawn
 from scipy.special import gamma
 
 from identify.diagnosis.diagnose import diagnose
-from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
+from identify.effects.families import BOUC_WEN, FAMILIES, LUGRE, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import scales_of
@@ -31,7 +31,8 @@ def test_a_member_is_the_family_at_its_exponent(family):
     """In proportion: their strengths are measured differently."""
     for name, exponent in family.members.items():
         member = find_effect(name)
-        values = {"f": 1.3, "at": 0.02, "kh": 1.3, "uy": 0.004, family.exponent: exponent}
+        values = {"f": 1.3, "at": 0.02, "kh": 1.3, "uy": 0.004, "kd": 1.3, "ud": 0.004, "vs": 0.1}
+        values[family.exponent] = exponent
         law = average(family.effect, {p.name: values[p.name] for p in family.effect.parameters}, W, A)
         there = average(member, {p.name: values.get(p.name, 1.0) for p in member.parameters}, W, A)
         for mine, its in ((law.damping, there.damping), (law.stiffening, there.stiffening)):
@@ -61,6 +62,7 @@ def test_the_nearest_member_is_told():
         ("power_law_damping", POWER_LAW_DAMPING, None),
         pytest.param("power_law_stiffness", POWER_LAW_STIFFNESS, None, marks=pytest.mark.slow),
         pytest.param("bouc_wen_hysteresis", BOUC_WEN, None, marks=pytest.mark.slow),
+        ("lugre_friction", LUGRE, None),
     ],
 )
 def test_the_exponent_of_a_hidden_law_is_found(hidden, family, exponent):
