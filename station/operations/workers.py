@@ -141,8 +141,8 @@ class WorkerPool:
         try:
             return await loop.run_in_executor(self._threads, worker.do, task, arguments, said)
         except (asyncio.CancelledError, Ended):
-            await asyncio.to_thread(worker.end)
-            await asyncio.to_thread(_finish_changes, arguments)
+            worker.end()  # nothing here waits: who cancels twice would interrupt it
+            _finish_changes(arguments)
             self._workers[self._workers.index(worker)] = Worker(self._settings)
             raise
         except Failed as failure:

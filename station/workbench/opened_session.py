@@ -36,7 +36,6 @@ class Opened:
     refinement: Refinement
     stage: Drawing = field(default_factory=dict)
     drawn: dict[str, tuple[Drawing, Fit]] = field(default_factory=dict)
-    diagnoses: dict[tuple[str, ...], DiagnosisDocument] = field(default_factory=dict)
     previews: dict[tuple[str, str], Drawn] = field(default_factory=dict)
 
     def draw(self, model: ModelFile, fitted: Callable[[], Fit]) -> str:
@@ -70,12 +69,9 @@ class Opened:
         One that cannot be read counts as none: the page offers a new one.
         """
         try:
-            kept = read_diagnosis(self.refinement.session)
+            return read_diagnosis(self.refinement.session)
         except UsageProblem:
             return None
-        if kept is not None:
-            self.diagnoses[tuple(kept.model.effects)] = kept
-        return kept
 
 
 @lru_cache(maxsize=MOST_OPEN)
@@ -109,7 +105,7 @@ def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
 
 def results_stamp(folder: Path) -> tuple[int, ...]:
     """Read a stamp that changes when a command, or another tab, has written results."""
-    return _stamp([folder / "results" / name for name in (LADDER, NAME)])
+    return _stamp(folder / name for name in (RAW, INFO, f"results/{LADDER}", f"results/{NAME}"))
 
 
 def _stamp(files: Iterable[Path]) -> tuple[int, ...]:

@@ -143,5 +143,6 @@ class SessionMenu:
 
     def _leave(self, place: Path, address: str) -> None:
         """Tell that the session was moved to a place, and go elsewhere."""
+        self._session.cancel()
         self._state.moved(self._session.folder, place)
         ui.navigate.to(address)

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import re
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from nicegui import Event
 
 from station.operations import refining
 from station.operations.workers import Failed, Say, Task, WorkerPool
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.settings import Settings
 from station.story.pipeline import silent
@@ -37,6 +38,7 @@ class SessionState:
         self.suspects = Drawn()
         self.earlier: list[KeptLadder] = []
         self._others: tuple[Path, ...] = ()
+        self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
         self.problem = self.notice = self.progress = self.running = ""
         self.since = 0.0
         self.version = 0
@@ -121,6 +123,8 @@ class SessionState:
         finally:
             self.running, self._job = "", None
             self.changed()
+        if task is not tasks.look:
+            self.open()  # a task that was cancelled, or a command, may have kept something
         await self._complete()
         if done and arguments[:1] in ((refining.add,), (refining.remove,)):
             self._ask_again()
@@ -148,7 +152,10 @@ class SessionState:
 
     def _take(self, found: View, undone: bool = False) -> None:
         """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
-        before, self.view = self.view, found
+        if found.diagnosis is not None:
+            self._diagnoses[tuple(found.diagnosis.model.effects)] = found.diagnosis
+        known = self._diagnoses.get(tuple(found.ladder.top.effects), found.diagnosis)
+        before, self.view = self.view, (found := replace(found, diagnosis=known))
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = self.earlier[:-1] if undone else [*self.earlier, before.ladder]
@@ -163,12 +170,14 @@ class SessionState:
         if view is None:
             return
 
+        suspects = view.diagnosis.suspects if view.diagnosis is not None and view.about_present else []
+
         def hear(said: Drawn | str) -> None:
             if view is self.view:  # else another task has answered meanwhile, and asks for its own
                 self._hear(said)
 
         with contextlib.suppress(asyncio.CancelledError, Failed):
-            await self.ask(tasks.complete, say=hear)
+            await self.ask(tasks.complete, suspects, say=hear)
 
     async def ask(self, task: Task, *arguments: Any, say: Say = silent) -> Any:
         """Do a task on this session; raises Failed."""
@@ -183,8 +192,8 @@ class SessionState:
 
     def undo(self) -> None:
         """Go back to the ladder before the last change."""
-        if self.earlier:
-            self.change("Undoing", tasks.restore, self.earlier[-1])
+        if self.view is not None and self.earlier:
+            self.change("Undoing", tasks.restore, self.earlier[-1].with_(seen=self.view.ladder.seen))
 
     @property
     def share_done(self) -> float | None:

@@ -24,6 +24,7 @@ from station.operations.mystery import hidden_words, what_was_hidden
 from station.operations.refining import Refinement, open_refinement, refine_to_floor, tried
 from station.operations.session_set import SessionSet, open_sessions
 from station.operations.workers import Say
+from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptLadder, write_ladder
 from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
@@ -50,13 +51,12 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     session, weighing = opened.refinement.session, opened.refinement.weighing
     names = tuple(frame_id(step.model) for step in ladder.steps)
     opened.draw_step(ladder.top)
-    kept = opened.kept_diagnosis()
     own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
     effects = {effect.name: effect for effect in (*LIBRARY, *map(parsed_effect, own))}
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
-        opened.diagnoses.get(tuple(ladder.top.effects), kept),
+        opened.kept_diagnosis(),
         {name: typeset(effect.equation) for name, effect in effects.items()},
         results_stamp(session.folder),
         opened.stage,
@@ -82,7 +82,7 @@ def change(settings: Settings, say: Say, folder: Path, does: Callable[..., Any],
 
 def restore(refinement: Refinement, ladder: KeptLadder) -> KeptLadder:
     """Keep a ladder as it was before a change; it follows what is kept now."""
-    return write_ladder(refinement.session, ladder.with_(seen=refinement.ladder.seen))
+    return write_ladder(refinement.session, ladder)
 
 
 def refine(settings: Settings, say: Say, folder: Path) -> View:
@@ -124,10 +124,11 @@ def diagnose(settings: Settings, say: Say, folder: Path, others: tuple[Path, ...
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         check_same_bench(sessions, False, say)
     diagnose_sessions(sessions, current_model((session,)), None, say, say)
-    return _view(settings, opened, refinement.ladder)
+    opened = open_session(settings, folder)  # a command may have changed it meanwhile
+    return _view(settings, opened, opened.refinement.ladder)
 
 
-def complete(settings: Settings, say: Say, folder: Path) -> None:
+def complete(settings: Settings, say: Say, folder: Path, suspects: list[SuspectDocument]) -> None:
     """Draw all steps and the suspects of the present model, say where it fails, and send each as soon as it is known."""
     opened = open_session(settings, folder)
     refinement = opened.refinement
@@ -138,14 +139,11 @@ def complete(settings: Settings, say: Say, folder: Path) -> None:
             frame["summary"] = typeset(found.comparison.summary)
     names = [opened.draw_step(step) for step in refinement.ladder.steps]
     say(Drawn({name: opened.drawn[name][0] for name in names}))
-    for drawn in _suspects(opened):
+    for drawn in _suspects(opened, suspects):
         say(drawn)
 
 
-def _suspects(opened: Opened) -> Iterator[Drawn]:
-    opened.kept_diagnosis()  # another worker may have written it since
-    document = opened.diagnoses.get(tuple(opened.refinement.ladder.top.effects))
-    suspects = document.suspects if document is not None else []
+def _suspects(opened: Opened, suspects: list[SuspectDocument]) -> Iterator[Drawn]:
     shown = [suspect for suspect in suspects if suspect.model is not None][:MOST_CARDS]
     for suspect in shown:
         assert suspect.model is not None

@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from daq.errors import SessionChanged
 from daq.recording import Channel
 from daq.session import Session
 from station.operations.diagnosing import diagnose_sessions
 from station.operations.examples import open_example
+from station.operations.refining import add, open_refinement
 from station.operations.session_set import open_sessions
+from station.results.ladder import read_ladder, write_ladder
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.pipeline import silent
@@ -90,9 +93,26 @@ def test_a_worker_draws_the_suspects_that_another_one_found(tmp_path):
     folder = open_session(str(DUFFING), settings.sessions).folder
     told_by(tasks.look, folder)
     sessions = open_sessions((str(folder),), settings)
-    found, _ = diagnose_sessions(sessions)
+    found, document = diagnose_sessions(sessions)
     drawn = []
-    tasks.complete(settings, drawn.append, folder)
+    tasks.complete(settings, drawn.append, folder, document.suspects)
     suspects = {name for one in drawn if isinstance(one, Drawn) for name in one.suspects}
     assert found.named == ("cubic_stiffness",)
     assert {"cubic_stiffness", MEASURED_CURVE} < suspects
+
+
+def test_a_step_that_a_command_added_meanwhile_is_neither_hidden_by_a_diagnosis_nor_undone(tmp_path):
+    settings = Settings(sessions=tmp_path / "sessions")
+    session = open_session(str(DUFFING), settings.sessions)
+    first = told_by(tasks.look, session.folder)
+
+    def command(said):
+        if len(read_ladder(session).steps) == 1:
+            add(open_refinement(session, settings), "cubic_stiffness")
+
+    write_ladder(session, first.ladder)
+    seen = tasks.diagnose(settings, command, session.folder, ())
+    assert seen.ladder.top.effects[-1] == "cubic_stiffness"
+    with pytest.raises(SessionChanged):
+        told_by(tasks.change, session.folder, tasks.restore, first.ladder)
+    assert len(read_ladder(session).steps) == 2

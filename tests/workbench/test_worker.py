@@ -14,10 +14,9 @@ import pytest
 from station.operations import workers as worker
 from station.operations.workers import on_the_page
 from station.settings import Settings
-from station.story.engineering_values import UNKNOWN
 from station.workbench import tasks
 from station.workbench.session_state import AppState, SessionState
-from station.workbench.view_models import Drawn
+from station.workbench.view_models import Drawn, View
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
@@ -64,17 +63,14 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     alone(story)
 
 
-def model(*effects: str) -> SimpleNamespace:
-    return SimpleNamespace(effects=list(effects))
-
-
-def looked(*asked: str) -> SimpleNamespace:
+def looked(*asked: str, present: str = "") -> View:
     """Return what a look at a session returns: only its diagnosis matters here, of a model by the names of its effects."""
-    diagnosis = SimpleNamespace(model=model(*asked), suspects=("any",)) if asked else None
-    return SimpleNamespace(
-        diagnosis=diagnosis, ladder=SimpleNamespace(top=model(*asked), present=0, steps=()), about_present=True,
-        at_floor=False, note="", weighing=UNKNOWN, frames={"step": "drawn"}, step_frames=("step",),
-    )  # fmt: skip
+    diagnosis = (
+        SimpleNamespace(model=SimpleNamespace(effects=list(asked)), suspects=("any",)) if asked else None
+    )
+    top = SimpleNamespace(effects=[present] if present else list(asked), at_floor=False)
+    ladder: Any = SimpleNamespace(top=top, present=0, steps=())
+    return View(ladder, diagnosis, frames={"step": {}}, step_frames=("step",))  # type: ignore[arg-type]
 
 
 @dataclass
@@ -111,6 +107,44 @@ def test_what_was_drawn_of_suspects_stays_until_another_diagnosis_is_kept():
             assert session.suspects.suspects == {diagnosis: drawn}
             assert drawn in session.frames
             assert session.notice == "Nothing may be written here."
+
+    alone(story)
+
+
+def test_the_diagnosis_of_an_earlier_model_is_there_again_when_it_is_gone_back_to():
+    """A session keeps the last diagnosis only, and another worker may look at it than the one that made it."""
+
+    async def story() -> None:
+        pool = Answering({})
+        session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
+        seen = []
+        for asked, present in (("a", "a"), ("b", "b"), ("b", "a")):
+            pool.answers = {"look": looked(asked, present=present)}
+            assert session.start("Reading", tasks.look)
+            await asyncio.gather(*session._runs)
+            assert session.view is not None
+            assert session.view.diagnosis is not None
+            seen.append(session.view.diagnosis.model.effects)
+        assert seen == [["a"], ["b"], ["a"]]
+
+    alone(story)
+
+
+def test_who_cancels_twice_leaves_no_dead_worker(monkeypatch):
+    monkeypatch.setattr(worker, "Worker", Occupied)
+    Occupied.gate = threading.Event()
+
+    async def story() -> None:
+        pool = worker.WorkerPool(Settings(), most=1)
+        first, own = pool._workers[0], asyncio.create_task(pool.do("a", "long"))
+        await asyncio.sleep(0.05)
+        own.cancel()
+        await asyncio.sleep(0)
+        own.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await own
+        assert pool._workers[0] is not first
+        pool.end()
 
     alone(story)
 
