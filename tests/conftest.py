@@ -18,7 +18,7 @@ settings.load_profile("repeatable")  # the same draws in every run; `python -m b
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
-SLOWEST_FIRST = ("workbench", "identify", "end_to_end", "docs", "station")
+SLOWEST_FIRST = ("workbench", "firmware", "end_to_end", "identify", "docs", "station")
 
 COMPILE = (
     "from station.workbench.tasks import warm_up; warm_up()",
