@@ -109,7 +109,7 @@ def from_stamps(
             USE_RATE,
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
-    index = np.arange(len(time)) if even else _number_samples(table, column, time, rows, period)
+    index = np.sort(rows) - rows.min() if even else _number_samples(table, column, time, rows, period)
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
@@ -125,10 +125,10 @@ def from_stamps(
     if rebuilt:
         # neighbouring stamps may stray together, as those of three digits do: the record's ends are known no better than one
         rate_std = max(rate_std, stray / float(time[-1] - time[0]) / slope)
-        said = f"no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms"
+        rounding = f"no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms"
+        why = "but the rows are said to be even" if even else rounding
         notes.append(
-            f"{_strays(stray, slope)}, {'but the rows are said to be even' if even else said}: "
-            f"even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
+            f"{_strays(stray, slope)}, {why}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
         notes.append(_evenness(slope, stray, resampled))

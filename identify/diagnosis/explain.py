@@ -195,13 +195,13 @@ def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, set
 
 
 def _between(top: Suspect) -> str:
-    """Compare a law of a free exponent with the nearest named effect."""
+    """Compare a law of a family with the nearest named effect."""
     family = FAMILY_OF[top.effect]
-    exponent = top.parameters[family.exponent]
+    exponent = top.parameters[family.free]
     nearest = family.nearest(exponent.value)
     return (
-        f"No named effect reaches the floor; this law behaves like {plain_name(nearest)} ({family.exponent} = "
-        f"{family.members[nearest]:g}), with {family.exponent} = {quantity(exponent)}."
+        f"No named effect reaches the floor; this law behaves like {plain_name(nearest)} ({family.free} = "
+        f"{family.members[nearest]:g}), with {family.free} = {quantity(exponent)}."
     )
 
 

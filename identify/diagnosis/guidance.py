@@ -55,7 +55,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     """Decide whether a test is over after so many releases, diagnosed together, or what to record next.
 
     It ends when no release is expected to tell more: between the open hypotheses, or about what can still hide beside
-    the likeliest. A name needs one release more than it has effects. Where a law of a free exponent explains more, that is
+    the likeliest. A name needs one release more than it has effects. Where a law of a family explains more, that is
     confirmed. A law without a name predicts nothing beyond the largest release: so one must come from the upper limit.
     """
     if found.verdict == "driven":
@@ -127,7 +127,7 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
 
 
 def leading(found: Diagnosis) -> tuple[str, ...]:
-    """List what a verdict names; or what leads beside it: a free exponent, or one of several effects exchanged."""
+    """List what a verdict names; or what leads beside it: a law of a family, or one of several effects exchanged."""
     return found.hypotheses[0].names if found.named else ()
 
 

@@ -1,4 +1,4 @@
-"""The families: laws between the effects of the library, with a free exponent. They are no suspects by themselves."""
+"""The families: laws between the effects of the library, with a free parameter. They are no suspects by themselves."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -11,21 +11,21 @@ from identify.effects.joint import DAHL_FRICTION, STIFFNESS, YIELD, joint
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Family:
-    """A law with a free exponent, for shapes between the names: "behaves like quadratic_damping, p = 1.9 +- 0.1".
+    """A law with a free parameter, for shapes between the names: "behaves like quadratic_damping, p = 1.9 +- 0.1".
 
-    `effect` is fitted as any other force; `exponent` names its parameter, of LuGre's friction the rise. `members` gives the
-    exponent at which the law is an effect of the library, by that effect's name. `held(scales)` are the inner parameters
-    to hold in a fit, chosen so that strength and exponent are hardly correlated.
+    `effect` is fitted as any other force; `free` names that parameter. `members` gives its value at which the law is an
+    effect of the library, by that effect's name. `held(scales)` are the inner parameters to hold in a fit, chosen so that
+    strength and exponent are hardly correlated.
     """
 
     effect: ForceEffect
-    exponent: str
+    free: str
     members: Mapping[str, float]
     held: Callable[[Scales], dict[str, float]] = field(default=lambda scales: {})
 
-    def nearest(self, exponent: float) -> str:
-        """Return the member whose exponent is nearest to a given one."""
-        return min(self.members, key=lambda name: abs(self.members[name] - exponent))
+    def nearest(self, value: float) -> str:
+        """Return the member whose value is nearest to a given one."""
+        return min(self.members, key=lambda name: abs(self.members[name] - value))
 
 
 POWER_LAW_STIFFNESS = Family(
@@ -44,7 +44,7 @@ POWER_LAW_STIFFNESS = Family(
         symptom="the frequency moves with the power p - 1 of the amplitude, alike in both directions",
         confirming_test="release from twice the amplitude: the frequency shift grows by 2^(p - 1)",
     ),
-    exponent="p",
+    free="p",
     members={"signed_quadratic_stiffness": 2.0, "cubic_stiffness": 3.0, "quintic_stiffness": 5.0},
     held=lambda scales: {"at": scales.amplitude},
 )
@@ -67,7 +67,7 @@ POWER_LAW_DAMPING = Family(
         confirming_test="release from twice the amplitude: the extra decrement grows by 2^(p - 1)",
         nonsmooth=True,
     ),
-    exponent="p",
+    free="p",
     members={"viscous_damping": 1.0, "quadratic_damping": 2.0, "cubic_damping": 3.0},
     held=lambda scales: {"at": scales.speed},
 )
@@ -99,15 +99,19 @@ BOUC_WEN = Family(
         symptom="a loop in the plane of displacement and force; a larger n gives it sharper corners",
         confirming_test="move the mass slowly to and fro: the loop shows its corners",
     ),
-    exponent="n",
+    free="n",
     members={"hysteresis": 2.0},
 )
 
 
+_MOST_RISE = 3.0
+
+
 def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    if p[1] <= 0.0 or p[3] <= 0.0:
+    if p[1] <= 0.0:
         return 0.0, 0.0
-    return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-(v / p[3]) * (v / p[3])))) / p[1], 0.0
+    rise = p[2] * exp(-(v / p[3]) * (v / p[3])) if p[3] > 0.0 else 0.0
+    return (v - abs(v) * z[0] / (1.0 + rise)) / p[1], 0.0
 
 
 LUGRE = Family(
@@ -117,11 +121,11 @@ LUGRE = Family(
         equation="kd ud z,  z' = (v/ud) (1 - z sgn v/(1 + rise exp(-(v/vs)^2)))",
         parameters=(
             *DAHL_FRICTION.parameters,
-            Parameter("rise", "1", "rise of the friction at low speed, over the friction", 0.0, 3.0),
-            Parameter("vs", "m/s", "speed over which it falls", 0.0),
+            Parameter("rise", "1", "extra friction at rest, over the friction kd ud", 0.0, _MOST_RISE),
+            Parameter("vs", "m/s", "speed at which it has fallen to 1/e", 0.0),
         ),
         rates=_lugre_rates,
-        largest_state=4.0,
+        largest_state=1.0 + _MOST_RISE,
         starts=lambda scales: tuple(
             (ud * scales.amplitude, rise, vs * scales.speed)
             for ud in (0.03, 0.06, 0.1, 0.16, 0.25)
@@ -132,7 +136,7 @@ LUGRE = Family(
         symptom="friction that rises gradually after each reversal, and falls again where the mass is quick",
         confirming_test="move the mass by less than ud, slowly: it springs back; quicker it slides more easily",
     ),
-    exponent="rise",
+    free="rise",
     members={"dahl_friction": 0.0},
 )
 """Canudas de Wit, Olsson, Astrom and Lischinsky (1995), without the damping of their bristles."""

@@ -108,7 +108,7 @@ def _judged(
 
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
-    """Name several effects, the one that is best alone first; a law of a free exponent was not tried alone."""
+    """Name several effects, the one that is best alone first; a law of a family was not tried alone."""
     if not any(entry.name in found.names for entry in ranked):
         law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
         ranked = (law, *ranked)

@@ -21,7 +21,7 @@ from identify.judging.suspects import (
     Candidate,
     candidate_terms,
     is_plausible,
-    laws_of_free_exponent,
+    laws_of_families,
     try_terms,
 )
 from identify.model.model import Term
@@ -112,14 +112,14 @@ def several_effects(
 def _in_order(
     few: FewReleases, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield the sets to judge, fitted to a few releases: a law of a free exponent, two effects, or three.
+    """Yield the sets to judge, fitted to a few releases: a law of a family, two effects, or three.
 
     Forces that explain most together, by equation error, come before what goes with the best single candidates, faults of
     sensors among it.
     """
     baseline = few.baseline
     goal = baseline.highest * baseline.fit.degrees
-    for law in laws_of_free_exponent(baseline, [candidate.name for candidate in tried], goal):
+    for law in laws_of_families(baseline, [candidate.name for candidate in tried], goal):
         yield Several(law.fit, (law.term,))
     largest = baseline.largest
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])

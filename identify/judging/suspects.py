@@ -116,10 +116,10 @@ def try_terms(
     return tuple(sorted(best.values(), key=lambda candidate: -candidate.evidence))
 
 
-def laws_of_free_exponent(
+def laws_of_families(
     baseline: Baseline, members: Collection[str], goal: float | None = None
 ) -> tuple[Candidate, ...]:
-    """Refit the model with each law of a free exponent of which one of some effects is a member, best first.
+    """Refit the model with the law of each family of which one of some effects is a member, best first.
 
     Where only a `goal` of chi-square counts, a fit that creeps towards it is left.
     """

@@ -17,7 +17,7 @@ from identify.formatting import among, plain_name
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.ranking import at_rest, dispersion
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import candidate_terms, laws_of_free_exponent, try_terms
+from identify.judging.suspects import candidate_terms, laws_of_families, try_terms
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -55,7 +55,7 @@ class Hypothesis:
             return "a law without a name"
         if isinstance(self.beside, RandomWalk):
             return "a random walk of spring and damper"
-        free = {family.effect.name: f" with any {family.exponent}" for family in FAMILIES}
+        free = {family.effect.name: f" with any {family.free}" for family in FAMILIES}
         called = [f"{plain_name(name)}{free.get(name, '')}" for name in self.names]
         return among(called) if called else "the usual model"
 
@@ -103,10 +103,10 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (few and (suspect.plausible or _is_bounded(suspect))):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    # Any law of a free exponent follows a guessed floor.
+    # Any law of a family follows a guessed floor.
     one_name = len(named) == 1 and baseline.floor_is_sure
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if one_name else ()
-    laws = laws_of_free_exponent(baseline, [suspect.effect.name for suspect in near])
+    laws = laws_of_families(baseline, [suspect.effect.name for suspect in near])
     between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
     for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)

@@ -11,7 +11,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from station.exits import UsageProblem
 from station.operations.refining import Refinement, open_refinement, step_again
-from station.results.diagnosis_document import NAME, DiagnosisDocument, read_diagnosis
+from station.results import diagnosis_document
 from station.results.diagnosis_pictures import refitted
 from station.results.ladder import LADDER, KeptStep, read_ladder
 from station.results.models import ModelFile, known_model
@@ -27,9 +27,8 @@ MOST_KEPT = 80
 class Opened:
     """A session with its prepared release and its ladder, as it was `begun` and as it is kept now.
 
-    `drawn` are the frames and fits of models, by the frame's name, and `stage` is settled by the first of them. `diagnoses`
-    are those that were kept since, by the effects of the model asked about; `previews` what came of effects that were tried,
-    by the name of the model's frame and what was wanted.
+    `drawn` are the frames and fits of models, by the frame's name, and `stage` is settled by the first of them. `previews`
+    are what came of effects that were tried, by the name of the model's frame and what was wanted.
     """
 
     begun: Refinement
@@ -63,16 +62,6 @@ class Opened:
         """Fit the present model to the whole release."""
         return self.drawn[self.draw_step(self.refinement.ladder.top)][1]
 
-    def kept_diagnosis(self) -> DiagnosisDocument | None:
-        """Read the diagnosis that the session keeps, which another worker may have written.
-
-        One that cannot be read counts as none: the page offers a new one.
-        """
-        try:
-            return read_diagnosis(self.refinement.session)
-        except UsageProblem:
-            return None
-
 
 @lru_cache(maxsize=MOST_OPEN)
 def _begun(settings: Settings, folder: Path, stamp: tuple[int, ...]) -> Opened:
@@ -103,9 +92,18 @@ def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
     return fit_baseline((refinement.prepared,), known.model, start | alone).fit
 
 
-def results_stamp(folder: Path) -> tuple[int, ...]:
-    """Read a stamp that changes when a command, or another tab, has written results."""
-    return _stamp(folder / name for name in (RAW, INFO, f"results/{LADDER}", f"results/{NAME}"))
+def kept_diagnosis(session: Session) -> diagnosis_document.DiagnosisDocument | None:
+    """Read the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
+    try:
+        return diagnosis_document.read_diagnosis(session)
+    except UsageProblem:
+        return None
+
+
+def session_stamp(folder: Path) -> tuple[int, ...]:
+    """Read a stamp that changes when a command, or another tab, changed the session: its raw data and info come first."""
+    names = RAW, INFO, f"results/{LADDER}", f"results/{diagnosis_document.NAME}"
+    return _stamp(folder / name for name in names)
 
 
 def _stamp(files: Iterable[Path]) -> tuple[int, ...]:

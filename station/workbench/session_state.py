@@ -19,7 +19,7 @@ from station.story.pipeline import silent
 from station.text.layout import sentence
 from station.workbench import tasks
 from station.workbench.capture_run import CaptureRun
-from station.workbench.opened_session import results_stamp
+from station.workbench.opened_session import session_stamp
 from station.workbench.session_list import SessionList
 from station.workbench.statements import called
 from station.workbench.view_models import Drawing, Drawn, View
@@ -38,7 +38,7 @@ class SessionState:
         self.suspects = Drawn()
         self.earlier: list[KeptLadder] = []
         self._others: tuple[Path, ...] = ()
-        self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
+        self._diagnoses: dict[tuple[object, ...], DiagnosisDocument] = {}
         self.problem = self.notice = self.progress = self.running = ""
         self.since = 0.0
         self.version = 0
@@ -61,7 +61,7 @@ class SessionState:
 
     def open(self) -> None:
         """Look at the session unless it is known as its results stand."""
-        if not self.running and (self.view is None or self.view.stamp != results_stamp(self.folder)):
+        if not self.running and (self.view is None or self.view.stamp != session_stamp(self.folder)):
             self.start("Reading and fitting", tasks.look)
 
     def start(self, title: str, task: Task, *arguments: Any) -> bool:
@@ -112,7 +112,7 @@ class SessionState:
             self._take(await self._job, undone=tasks.restore in arguments)
             done = True
         except asyncio.CancelledError:
-            changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
+            changed = self.view is not None and self.view.stamp != session_stamp(self.folder)
             kept = "its results are kept already" if changed else "nothing was changed"
             self.notice = f"{title}: cancelled; {kept}"
         except Failed as failure:
@@ -152,9 +152,10 @@ class SessionState:
 
     def _take(self, found: View, undone: bool = False) -> None:
         """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
+        recorded = found.stamp[:2]  # of another recording, or with another mass, they are others
         if found.diagnosis is not None:
-            self._diagnoses[tuple(found.diagnosis.model.effects)] = found.diagnosis
-        known = self._diagnoses.get(tuple(found.ladder.top.effects), found.diagnosis)
+            self._diagnoses[recorded, *found.diagnosis.model.effects] = found.diagnosis
+        known = self._diagnoses.get((recorded, *found.ladder.top.effects), found.diagnosis)
         before, self.view = self.view, (found := replace(found, diagnosis=known))
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):

@@ -34,7 +34,7 @@ from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id
-from station.workbench.opened_session import Opened, open_session, results_stamp
+from station.workbench.opened_session import Opened, kept_diagnosis, open_session, session_stamp
 from station.workbench.statements import called, with_effect
 from station.workbench.view_models import MOST_CARDS, Drawn, View
 
@@ -56,9 +56,9 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,
-        opened.kept_diagnosis(),
+        kept_diagnosis(session),
         {name: typeset(effect.equation) for name, effect in effects.items()},
-        results_stamp(session.folder),
+        session_stamp(session.folder),
         opened.stage,
         {name: opened.drawn[name][0] for name in names if name in opened.drawn},
         names,

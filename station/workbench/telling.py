@@ -28,7 +28,7 @@ from station.views.figure import inked
 from station.views.identification_figures import record
 from station.views.palette import PAGE
 from station.views.viewer import unpack
-from station.workbench.opened_session import open_session
+from station.workbench.opened_session import kept_diagnosis, open_session
 from station.workbench.parts import part
 
 
@@ -41,10 +41,9 @@ def tell(settings: Settings, say: Say, folder: Path, what: Callable[..., Told | 
 def compared(settings: Settings, say: Say, folder: Path, dark: bool) -> Told:
     """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
     say("comparing with the measurement")
-    opened, look = open_session(settings, folder), PAGE[dark]
-    refinement = opened.refinement
+    refinement, look = open_session(settings, folder).refinement, PAGE[dark]
     found, _ = compare_session(refinement.session, settings, prepared=refinement.prepared, tell=say)
-    words, document, kept = comparison_text.told(found), opened.kept_diagnosis(), None
+    words, document, kept = comparison_text.told(found), kept_diagnosis(refinement.session), None
     if document is not None:
         with suppress(UsageProblem):  # an effect of a file that is not at hand
             kept = kept_curves(refinement, document, settings)

@@ -10,7 +10,7 @@ from identify.effects.families import BOUC_WEN, FAMILIES, LUGRE, POWER_LAW_DAMPI
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import scales_of
-from identify.judging.suspects import laws_of_free_exponent, try_terms
+from identify.judging.suspects import laws_of_families, try_terms
 from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
 
@@ -22,7 +22,7 @@ def test_families_are_no_suspects_and_their_members_are():
     for family in FAMILIES:
         assert family.effect.name not in names
         assert set(family.members) <= names
-        exponent = family.effect.parameters[family.effect.index(family.exponent)]
+        exponent = family.effect.parameters[family.effect.index(family.free)]
         assert all(exponent.low <= value <= exponent.high for value in family.members.values())
 
 
@@ -32,7 +32,7 @@ def test_a_member_is_the_family_at_its_exponent(family):
     for name, exponent in family.members.items():
         member = find_effect(name)
         values = {"f": 1.3, "at": 0.02, "kh": 1.3, "uy": 0.004, "kd": 1.3, "ud": 0.004, "vs": 0.1}
-        values[family.exponent] = exponent
+        values[family.free] = exponent
         law = average(family.effect, {p.name: values[p.name] for p in family.effect.parameters}, W, A)
         there = average(member, {p.name: values.get(p.name, 1.0) for p in member.parameters}, W, A)
         for mine, its in ((law.damping, there.damping), (law.stiffening, there.stiffening)):
@@ -70,8 +70,8 @@ def test_the_exponent_of_a_hidden_law_is_found(hidden, family, exponent):
     baseline = fit_baseline((prepared,), base_model())
     term = Term(family.effect, family.held(scales_of(prepared, {})))
     found = try_terms(baseline.decays, baseline.fit, (term,))[0].fit
-    p = found.of(term)[family.exponent]
-    true = truth["parameters"][family.exponent] if exponent is None else exponent
+    p = found.of(term)[family.free]
+    true = truth["parameters"][family.free] if exponent is None else exponent
     assert found.reduced < 1.3  # the floor of a single record is known to some 6 %, and the noise to 1.2 here
     assert abs(p.value - true) < 4.0 * p.std  # 1 in 16000 by chance
     assert p.std < 0.15
@@ -79,7 +79,7 @@ def test_the_exponent_of_a_hidden_law_is_found(hidden, family, exponent):
 
 @pytest.mark.parametrize("family", [POWER_LAW_STIFFNESS, POWER_LAW_DAMPING], ids=lambda f: f.effect.name)
 def test_a_power_law_is_in_proportion_to_its_strength_of_either_sign(family):
-    values = {"at": 0.02, family.exponent: 2.5}
+    values = {"at": 0.02, family.free: 2.5}
     soft, hard = (average(family.effect, values | {"f": f}, W, A) for f in (-0.6, 0.6))
     np.testing.assert_allclose(soft.stiffening + soft.damping, -(hard.stiffening + hard.damping), rtol=1e-9)
 
@@ -94,11 +94,11 @@ def test_a_softening_law_between_the_names_is_told_as_one_law_and_no_pair_is_mad
     assert abs(p.value - truth["parameters"]["p"]) < 4.0 * p.std  # 1 in 16000 by chance
 
 
-def test_a_law_of_a_free_exponent_begins_at_its_members():
+def test_a_law_of_a_family_begins_at_its_members():
     """Its strength is that of the member's force: at the member's exponent both leave the same."""
     prepared, _ = drawn("cubic_stiffness", 0.02, seed=52, seconds=4.0)
     baseline = fit_baseline((prepared,), base_model())
     members = try_terms(baseline.decays, baseline.fit, (Term(find_effect("cubic_stiffness")),))
-    law = laws_of_free_exponent(baseline, [members[0].name])[0]
+    law = laws_of_families(baseline, [members[0].name])[0]
     assert law.fit.chi_square <= members[0].fit.chi_square + 0.1  # one more number cannot leave more
     assert law.fit.values["power_law_stiffness.p"].value == pytest.approx(3.0, abs=0.1)

@@ -63,14 +63,14 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     alone(story)
 
 
-def looked(*asked: str, present: str = "") -> View:
+def looked(*asked: str, present: str = "", stamp: tuple[int, ...] = ()) -> View:
     """Return what a look at a session returns: only its diagnosis matters here, of a model by the names of its effects."""
     diagnosis = (
         SimpleNamespace(model=SimpleNamespace(effects=list(asked)), suspects=("any",)) if asked else None
     )
     top = SimpleNamespace(effects=[present] if present else list(asked), at_floor=False)
     ladder: Any = SimpleNamespace(top=top, present=0, steps=())
-    return View(ladder, diagnosis, frames={"step": {}}, step_frames=("step",))  # type: ignore[arg-type]
+    return View(ladder, diagnosis, stamp=stamp, frames={"step": {}}, step_frames=("step",))  # type: ignore[arg-type]
 
 
 @dataclass
@@ -118,14 +118,14 @@ def test_the_diagnosis_of_an_earlier_model_is_there_again_when_it_is_gone_back_t
         pool = Answering({})
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
         seen = []
-        for asked, present in (("a", "a"), ("b", "b"), ("b", "a")):
-            pool.answers = {"look": looked(asked, present=present)}
+        for asked, present, raw in (("a", "a", 1), ("b", "b", 1), ("b", "a", 1), ("b", "a", 2)):
+            pool.answers = {"look": looked(asked, present=present, stamp=(raw, 0))}
             assert session.start("Reading", tasks.look)
             await asyncio.gather(*session._runs)
             assert session.view is not None
             assert session.view.diagnosis is not None
             seen.append(session.view.diagnosis.model.effects)
-        assert seen == [["a"], ["b"], ["a"]]
+        assert seen == [["a"], ["b"], ["a"], ["b"]]  # the last one is of another recording
 
     alone(story)
 

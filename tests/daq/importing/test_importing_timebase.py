@@ -234,6 +234,7 @@ def test_for_rows_that_share_the_stamp_of_their_block_the_mean_rate_is_proposed_
     assert "many are equal to the one before; if the rows were read evenly" in refusal(tmp_path, text)
     recording = load(tmp_path, text, accept=True)
     assert recording.samples.shape[1] == 2000
+    assert recording.rate == pytest.approx(250.0, rel=2e-3)
     assert abs(recording.rate - 250.0) < 2.0 * recording.rate_std < 2.0
 
 
