@@ -5,7 +5,7 @@ import traceback
 from pathlib import Path
 
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY, find_effect
+from identify.effects.library import LIBRARY, NAMED, find_effect
 from station.exits import UsageProblem
 from station.suggestions import MEASURED_CURVE, did_you_mean, read_named
 
@@ -22,7 +22,7 @@ def named_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
     try:
         return find_effect(name, library)
     except KeyError as error:
-        meant = did_you_mean(name, (*(effect.name for effect in library), MEASURED_CURVE))
+        meant = did_you_mean(name, (*(effect.name for effect in (*NAMED, *library)), MEASURED_CURVE))
         more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
         raise UsageProblem(f"no effect is called '{name}'{meant}; {more}") from error
 
@@ -38,7 +38,7 @@ def load_effects(path: Path) -> tuple[Effect, ...]:
         found = (found,)
     if not isinstance(found, tuple | list) or not found:
         raise UsageProblem(f"{path}: it defines no effects; a line such as {_EXAMPLE} is missing")
-    names = [effect.name for effect in LIBRARY]
+    names = [effect.name for effect in NAMED]
     for i, effect in enumerate(found, start=1):
         if not isinstance(effect, Effect):
             raise UsageProblem(

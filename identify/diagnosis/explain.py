@@ -8,8 +8,7 @@ from identify.diagnosis.explain_prediction import (
     explain_unconfirmed,
     explained,
 )
-from identify.effects.effect import Effect
-from identify.effects.families import FAMILIES, Family
+from identify.effects.families import FAMILY_OF
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
@@ -36,8 +35,6 @@ _LESSER_PART = 0.5
 
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
-
-FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
 def explain(

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from identify.effects.effect import Effect
+from identify.effects.families import FAMILY_OF
 from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
@@ -136,6 +137,8 @@ def add_effect(step: Step, effect: Effect) -> Step:
             f"{effect.name} acts on displacements in {' or '.join(effect.units)}; this record is in {unit}."
         )
     terms = candidate_terms(baseline.fit.model, (effect,), baseline.fit.windows[0])
+    if effect in FAMILY_OF:
+        terms = (Term(effect, FAMILY_OF[effect].held(baseline.scales)),)
     tried = try_terms(baseline.decays, baseline.fit, terms)
     if not tried:
         raise NotIdentifiable(f"This record has no channel that could show {effect.name}.")

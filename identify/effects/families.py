@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import copysign, exp
 
-from identify.effects.effect import Parameter, Scales
+from identify.effects.effect import Effect, Parameter, Scales
 from identify.effects.force_effect import ForceEffect
 from identify.effects.joint import DAHL_FRICTION, STIFFNESS, YIELD, joint
 
@@ -142,3 +142,5 @@ LUGRE = Family(
 """Canudas de Wit, Olsson, Astrom and Lischinsky (1995), without the damping of their bristles."""
 
 FAMILIES: tuple[Family, ...] = (POWER_LAW_STIFFNESS, POWER_LAW_DAMPING, BOUC_WEN, LUGRE)
+
+FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}

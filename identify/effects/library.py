@@ -2,6 +2,7 @@
 
 from identify.effects import contact, damping, joint, memory, sensors, stiffness, time
 from identify.effects.effect import Effect
+from identify.effects.families import FAMILY_OF
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 
@@ -67,11 +68,17 @@ LIBRARY: tuple[Effect, ...] = (
 )
 
 
-def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
-    """Return the effect of that name, as "stribeck_friction" or "Stribeck friction"; KeyError when there is none."""
-    library = LIBRARY if library is None else library
+NAMED: tuple[Effect, ...] = (*LIBRARY, *FAMILY_OF)
+"""All that a model may have: the library, which a diagnosis tries, and the laws of the families between its effects."""
+
+
+def find_effect(name: str, library: tuple[Effect, ...] = ()) -> Effect:
+    """Return the effect of that name, as "stribeck_friction" or "Stribeck friction"; KeyError when there is none.
+
+    It is one of `NAMED`, or of a `library` of one's own.
+    """
+    known = {effect.name.lower(): effect for effect in (*NAMED, *library)}
     wanted = "_".join(name.lower().split())
-    for effect in library:
-        if effect.name.lower() == wanted:
-            return effect
-    raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")
+    if wanted not in known:
+        raise KeyError(f"no effect is called '{name}'; there are: {', '.join(known)}")
+    return known[wanted]

@@ -19,7 +19,7 @@ def command(name: str | None = argument(required=False)) -> None:
     With NAME: its equation, parameters with units and bounds, how it shows,
     what proves it, and what it is confused with.
     """
-    from identify.effects.library import LIBRARY
+    from identify.effects.library import NAMED
     from identify.formatting import plain_name
     from station.own_effects import named_effect
     from station.text.layout import answer
@@ -32,9 +32,9 @@ def command(name: str | None = argument(required=False)) -> None:
         return
     tables = []
     for kind, title in KINDS.items():
-        listed = [(e.name, typeset(f"{e.title}: {e.equation}")) for e in LIBRARY if e.kind == kind]
+        listed = [(e.name, typeset(f"{e.title}: {e.equation}")) for e in NAMED if e.kind == kind]
         tables.append(Table(title, ("", ""), tuple(listed), texts=2))
-    answer({"effects": [_document(e) for e in LIBRARY]}, Told("", "", tuple(tables)), "effects", "NAME")
+    answer({"effects": [_document(e) for e in NAMED]}, Told("", "", tuple(tables)), "effects", "NAME")
 
 
 def _rows(effect: "Effect") -> list[tuple[str, str]]:

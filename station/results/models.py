@@ -8,7 +8,8 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
+from identify.effects.families import FAMILY_OF
+from identify.effects.library import LIBRARY, NAMED
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
@@ -102,7 +103,7 @@ def read_model_file(file: Path) -> ModelFile:
 def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return a model with its effects looked up; UsageProblem, beginning with `where`, when one does not fit."""
     try:
-        by_name = {e.name: e for e in (*library, *map(parsed_effect, model.expressions))}
+        by_name = {e.name: e for e in (*NAMED, *library, *map(parsed_effect, model.expressions))}
     except ValueError as error:
         raise UsageProblem(f"{where}: {shortened(str(error))}") from error
     terms: list[Term] = []
@@ -132,6 +133,9 @@ def parsed_effect(text: str) -> Effect:
 
 
 def _held(entry: EffectEntry, effect: Effect, where: str) -> dict[str, float | str]:
+    places = {name for name, at in entry.held.items() if isinstance(at, float) and at > 0.0}
+    if effect in FAMILY_OF and places == entry.held.keys() == effect.variants[0].keys():
+        return dict(entry.held)  # the motion at which the strength is stated
     for variant in effect.variants:
         if dict(variant) == entry.held:
             return dict(variant)

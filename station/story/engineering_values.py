@@ -8,7 +8,7 @@ from typing import Any
 
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
-from identify.effects.library import LIBRARY
+from identify.effects.library import NAMED
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
@@ -70,7 +70,7 @@ class Weighing:
 
         What changes a parameter of another effect is relative to that, and has no mass in it.
         """
-        other = any(e.name == effect and not _has_mass(e) for e in LIBRARY)
+        other = any(e.name == effect and not _has_mass(e) for e in NAMED)
         first = () if other else list(parameters.items())[:1]
         return dict(parameters) | {name: self.strength(found) for name, found in first}
 
@@ -151,7 +151,7 @@ def engineering_values(fit: Fit, weighing: Weighing) -> tuple[EngineeringValue, 
     found = []
     for term in fit.model.forces:
         part, bare = term.force.linear_part, fit.of(term, 0)
-        inner = part is None and term.effect in LIBRARY
+        inner = part is None and term.effect in NAMED
         for name, value in weighing.weighed(term.effect.name, bare).items():
             called = (
                 f"{plain_name(term.effect.name)}, {name}" if part is None else weighing.worded(_NAMES[part])

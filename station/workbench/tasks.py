@@ -13,7 +13,7 @@ from daq.importing.reading import look_at
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.force_effect import ForceEffect
-from identify.effects.library import LIBRARY
+from identify.effects.library import LIBRARY, NAMED
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.current_model import current_model
@@ -52,7 +52,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder, note: str = ""
     names = tuple(frame_id(step.model) for step in ladder.steps)
     opened.draw_step(ladder.top)
     own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
-    effects = {effect.name: effect for effect in (*LIBRARY, *map(parsed_effect, own))}
+    effects = {effect.name: effect for effect in (*NAMED, *map(parsed_effect, own))}
     present = weighing.terms(effects[name] for name in ladder.top.effects)
     return View(
         ladder,

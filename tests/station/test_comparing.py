@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from identify.effects.library import LIBRARY
+from identify.effects.library import NAMED
 from mocks.generate import draw
 from station.cli import run
 
@@ -94,11 +94,11 @@ def test_a_model_file_that_does_not_exist_is_refused_in_one_sentence(inside, cap
 def test_effects_lists_the_whole_library(capsys):
     assert run(["effects"]) == 0
     text = capsys.readouterr().out
-    assert all(effect.name in text for effect in LIBRARY)
+    assert all(effect.name in text for effect in NAMED)
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-@pytest.mark.parametrize("effect", LIBRARY, ids=lambda effect: effect.name)
+@pytest.mark.parametrize("effect", NAMED, ids=lambda effect: effect.name)
 def test_every_effect_tells_of_itself_within_80_columns(effect, capsys):
     assert run(["effects", effect.name]) == 0
     text = capsys.readouterr().out
@@ -115,6 +115,6 @@ def test_an_unknown_effect_is_answered_with_where_the_names_are(capsys):
 def test_effects_in_json_have_their_parameters_and_what_they_borrow(capsys):
     assert run(["effects", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["effects"]
-    assert [one["name"] for one in listed] == [effect.name for effect in LIBRARY]
+    assert [one["name"] for one in listed] == [effect.name for effect in NAMED]
     assert all(one["parameters"] and one["tell"] and one["proof"] for one in listed)
     assert any(one["borrows"] for one in listed)

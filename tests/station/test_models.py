@@ -17,7 +17,7 @@ from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
 from station.results.documents import to_text
-from station.results.models import known_model, model_file, read_model, read_model_file
+from station.results.models import ModelFile, known_model, model_file, read_model, read_model_file
 from station.story.pipeline import KnownModel
 
 VALUES = {
@@ -157,3 +157,13 @@ def test_a_pipe_in_place_of_a_model_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "model.json")
     with pytest.raises(UsageProblem, match="no plain file"):
         read_model_file(tmp_path / "model.json")
+
+
+@pytest.mark.parametrize("at", [{}, {"at": -0.1}, {"at": "here"}, {"at": 0.1, "p": 2.0}])
+def test_the_motion_at_which_a_law_of_a_family_has_its_strength_is_a_positive_number(at):
+    values = {name: {"value": value, "std": None, "unit": ""} for name, value in (("f", 0.3), ("p", 2.5))}
+    entry = {"effect": "power_law_stiffness", "parameters": values}
+    read = ModelFile.model_validate({"equation": "", "effects": [entry | {"held": {"at": 0.02}}]})
+    assert known_model(read, "here").model.terms[0].held == {"at": 0.02}
+    with pytest.raises(UsageProblem, match="held"):
+        known_model(ModelFile.model_validate({"equation": "", "effects": [entry | {"held": at}]}), "here")

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hidden import DUFFING
 
+from identify.effects.families import FAMILIES
+from mocks.generate import draw
 from station.cli import run
 from station.operations.current_model import current_model
 from station.operations.identifying import kept_options
@@ -139,3 +141,21 @@ def test_a_long_record_is_judged_in_its_pieces_by_every_command_and_one_run_says
     assert compared["one_run"]["chi2"] > 1.5 * compared["error"]["chi2"]
     assert run(["compare", "long", "--full"]) == 0
     assert "judged in" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("law", [family.effect.name for family in FAMILIES])
+def test_a_law_between_the_names_is_added_by_its_name_and_kept_and_read_again(
+    law, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    sample = draw(law, 0.02, 77)
+    time = np.arange(len(sample.displacement)) / sample.rate
+    columns = np.column_stack([time, sample.displacement, sample.acceleration])
+    names = "time (s),displacement (m),acceleration (m/s^2)"
+    np.savetxt("release.csv", columns, delimiter=",", header=names, comments="")
+    said(capsys, "import", "release.csv", "--json")
+    refined = said(capsys, "refine", "release", "--add", law, "--json")
+    assert refined["steps"][-1]["effects"][-1] == law
+    compared = said(capsys, "compare", "release", "--json")
+    assert compared["model"]["effects"][-1] == law
+    assert compared["error"]["chi2"] < 1.3  # the noise is known to 1.2 here

@@ -16,7 +16,7 @@ from math import inf, isfinite
 from identify.effects.compiled import STATES
 from identify.effects.effect import Parameter
 from identify.effects.force_effect import ForceEffect
-from identify.effects.library import LIBRARY
+from identify.effects.library import NAMED
 from identify.effects.user.build import NAME, VARIABLES, finished, from_formulas
 from identify.effects.user.formula import CONSTANTS, FUNCTIONS, parse_formula
 from identify.effects.user.initial_values import problem_of
@@ -100,7 +100,7 @@ def _check_name(name: str) -> None:
         )
     if name in FUNCTIONS or name in VARIABLES or name in CONSTANTS:
         raise ValueError(f"'{name}' has a meaning in formulas; choose another name for the effect")
-    if any(effect.name == name for effect in LIBRARY):
+    if any(effect.name == name for effect in NAMED):
         raise ValueError(
             f"{name} is in the library already; choose another name, or add it without a formula"
         )
