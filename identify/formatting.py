@@ -49,14 +49,14 @@ class Estimated(Protocol):
 
 
 def with_error(value: float | None, std: float | None) -> str:
-    """Write "13115.0 ± 2.1": the error with two figures, the value with the same decimals.
+    """Write "13115.0 ± 2.1": the error with two figures, the value with the same decimals; alone where it is exact.
 
     A power of ten is taken out where either would need many digits or zeros that mean nothing.
     """
     if value is None or not math.isfinite(value):
         return "unknown"
-    if std is None or not math.isfinite(std) or std <= 0.0:
-        return f"{_power_of_ten(f'{value:.4g}')} (error unknown)"
+    if std is None or not std > 0.0 or math.isinf(std):
+        return f"{_power_of_ten(f'{value:.4g}')}{'' if std == 0.0 else ' (error unknown)'}"
     exponent = math.floor(math.log10(max(abs(value), std)))
     last = math.floor(math.log10(std)) - 1
     if float(f"{std:.1e}") >= 10.0 ** (last + 2):
@@ -79,8 +79,6 @@ def share_words(share: float) -> str:
 
 def quantity(found: Estimated) -> str:
     """Write "13115.0 ± 2.1 N/m", or "0 N (error unknown)"; the value alone where it is exact."""
-    if found.value is not None and found.std == 0.0:
-        return f"{_power_of_ten(f'{found.value:.4g}')}{_after(found.unit)}"
     number, *unknown = with_error(found.value, found.std).split(" (error")
     return "".join((number, _after(found.unit), *(f" (error{words}" for words in unknown)))
 

@@ -95,6 +95,12 @@ class Fit:
             return {u.id.in_effect: self.values[u.name] for u in own}
         return {u.id.parameter: self.values[u.name] for u in own if u.window in (-1, release)}
 
+    def quoted(self, term: Term, release: int | None = None) -> dict[str, Estimate]:
+        """Return the parameters of one term as `of` does, with those that are held: they are exact."""
+        units = {parameter.name: parameter.unit for parameter in term.effect.parameters}
+        held = {name: Estimate(value, 0.0, units[name]) for name, value in term.held_values.items()}
+        return self.of(term, release) | held
+
     def nuisance(self, name: str, release: int) -> Estimate | None:
         """Return a nuisance of one release, such as its gain; None when it has none."""
         return self.values.get(str(nuisance(name, release, len(self.windows))))

@@ -50,7 +50,7 @@ class Suspect:
         if self.corrected is not None:
             return self.corrected
         last = self.stated if self.last is self.fit else self.baseline.stated(self.last)
-        return last.of(self.term)
+        return last.quoted(self.term)
 
     @property
     def strength_known(self) -> bool:

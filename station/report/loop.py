@@ -165,7 +165,7 @@ def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:
     inertia, *forces = weighing.terms((term.effect for term in fit.model.terms), in_numbers=True)
     yield inertia
     for text, term in zip(forces, fit.model.forces, strict=True):
-        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
+        for name, value in weighing.weighed(term.effect.name, fit.quoted(term, 0)).items():
             number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
             number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
@@ -182,7 +182,7 @@ def _parameters(fit: Fit, weighing: Weighing) -> Table:
     rows = []
     for term in fit.model.terms:
         meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
-        for name, value in weighing.weighed(term.effect.name, fit.of(term, 0)).items():
+        for name, value in weighing.weighed(term.effect.name, fit.quoted(term, 0)).items():
             unit = typeset_unit(value.unit) or "1"
             number = with_error(value.value, value.std)
             rows.append((term.effect.name, typeset(name), weighing.worded(meanings[name]), number, unit))

@@ -115,3 +115,8 @@ def test_a_force_is_in_newtons_only_where_the_displacement_is_a_length():
 )
 def test_a_strength_times_the_mass_has_a_unit_that_an_engineer_writes(length, per_mass, unit):
     assert Weighing(2.0, unit=length).strength(Estimate(1.5, 0.1, per_mass)).unit == unit
+
+
+def test_a_value_that_is_exact_stands_alone():
+    assert with_error(0.0184, 0.0) == "0.0184"
+    assert with_unit(Estimate(0.0184, 0.0, "m")).replace(SPACE, " ") == "0.0184 m"
