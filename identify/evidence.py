@@ -31,12 +31,15 @@ class Evidence:
     """The evidence for one more law: `nats` of each against the model without it, by name, and the verdict.
 
     `names` are those that are not distinguishable, the one that leads first; `explains` is "frequency" or "loss".
+    `unnamed` is the evidence for a law without a name in their place, and `beside` that for one beside the leader.
     """
 
     nats: dict[str, float]
     verdict: Decided
     names: tuple[str, ...] = ()
     explains: str = ""
+    unnamed: float = -np.inf
+    beside: float = -np.inf
 
 
 def nothing(nats: Sequence[float]) -> float:
@@ -78,18 +81,22 @@ def decide(
     order = sorted(
         nats, key=lambda name: (-round(nats[name], 1), places.index(name))
     )  # of equal ones the library's first
+
+    def decided(verdict: Decided, names: tuple[str, ...] = ()) -> Evidence:
+        return Evidence(dict(nats), verdict, names, unnamed=unnamed, beside=beside)
+
     if nothing(tuple(nats.values())) > DOUBT:
-        return Evidence(dict(nats), "nothing")
+        return decided("nothing")
     most = max(*nats.values(), unnamed)
     weight = {name: float(np.exp(nats[name] - most)) for name in order}
     total = sum(weight.values())
     above = np.cumsum([weight[name] for name in order])
     near = tuple(order[: 1 + int(np.searchsorted(above, (1.0 - DOUBT) * total))])
     if np.exp(unnamed - most) > DOUBT * (total + np.exp(unnamed - most)) or nothing((beside,)) < DOUBT:
-        return Evidence(dict(nats), "no name", near)
+        return decided("no name", near)
     if not drift_weighed and sum(weight[name] for name in order if effects[name].of_time) > DOUBT * total:
-        return Evidence(dict(nats), "may drift", near)
-    return Evidence(dict(nats), "named" if len(near) <= MOST_ALIKE else "too many", near)
+        return decided("may drift", near)
+    return decided("named" if len(near) <= MOST_ALIKE else "too many", near)
 
 
 def complexity(effect: Effect) -> int:
@@ -105,22 +112,22 @@ _ROUNDING = 1e-12
 """Least eigenvalue of a matrix of correlations: what is below it is rounding."""
 
 
-def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+def evidence(base: Fit, found: Fit, scales: Scales, unit: float = 1.0) -> float:
     """Return the evidence (nats) for the effects of a fit beyond the `base`, against the base alone.
 
-    `dispersion` is the factor by which an unexplained misfit widens the noise: 1 where the floor is sure.
+    `unit` is the factor by which what no effect explains widens the noise, the unit in which chi-square counts.
     """
-    return 0.5 * (base.chi_square - found.chi_square) / dispersion - price(base, found, scales, dispersion)
+    return 0.5 * (base.chi_square - found.chi_square) / unit - price(base, found, scales, unit)
 
 
-def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+def price(base: Fit, found: Fit, scales: Scales, unit: float = 1.0) -> float:
     """Return the price (nats) of the parameters of a fit beyond the `base`, found anywhere in their ranges."""
     terms = {term.effect.name: term for term in found.model.terms if term.effect.name not in base.model}
     own = [j for j, unknown in enumerate(found.unknowns) if unknown.name not in base.names]
     widths = np.array([_width(found.unknowns[j], float(found.theta[j]), terms, scales) for j in own])
     counts = widths > 0.0  # a strength of none has gained nothing and costs nothing
     places = np.array(own, dtype=int)[counts]
-    cost = _cost(dispersion * found.covariance[np.ix_(places, places)], widths[counts])
+    cost = _cost(unit * found.covariance[np.ix_(places, places)], widths[counts])
     return cost + float(sum(np.log(len(term.effect.variants)) for term in terms.values()))
 
 

@@ -79,7 +79,7 @@ NEXT_TO_NOTHING = 0.01
 """Share of chi-square that a force may leave which the free run alone names, where the floor is a guess."""
 
 CLEAR = 3.0
-"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
+"""Standard errors by which two numbers must differ to be two: a strength and none, two frequencies, a spring and gravity."""
 
 AGREES = 1.5
 """Factor within which curves and free run must agree on the strength of an effect that the curves confirm."""

@@ -13,6 +13,7 @@ from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_mode
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
+from identify.evidence import Evidence
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit
@@ -71,6 +72,7 @@ class Diagnosis(Summarised):
     None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit.
+    `decided` is what the table weighed and decided, for each of several effects its own, empty where it was not asked.
     `caution` is what to keep in mind. `hypotheses` are those still open, the likeliest first.
     """
 
@@ -91,6 +93,7 @@ class Diagnosis(Summarised):
     worth: float = 0.0
     too_small: float = 0.0
     walk: RandomWalk | None = None
+    decided: tuple[Evidence, ...] = ()
     caution: str = ""
     hypotheses: tuple[Hypothesis, ...] = ()
 
@@ -273,6 +276,7 @@ def diagnose(
         worth=worth,
         too_small=judgement.too_small,
         walk=judgement.walk,
+        decided=judgement.decided,
         caution=warned,
         hypotheses=hypotheses,
     )

@@ -23,7 +23,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.fit import fit
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
-from identify.judging.ranking import at_rest, dispersion
+from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate
 from identify.judging.verdict import Judgement, verdict_of
 from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
@@ -100,65 +100,58 @@ def weigh(
     nats: dict[str, float],
     effects: dict[str, Effect],
     last: RandomWalk,
-    widened: float = 1.0,
+    unit: float = 1.0,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `widened` is the dispersion in which `nats` were counted.
+    as much. `unit` is the unit of chi-square in which `nats` were counted.
     """
-    shift = (last.evidence - before.evidence) / widened
+    shift = (last.evidence - before.evidence) / unit
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
-        unnamed=smooth_law_beside(before) / widened,
-        beside=smooth_law_beside(last) / widened,
+        unnamed=smooth_law_beside(before) / unit,
+        beside=smooth_law_beside(last) / unit,
         drift_weighed=True,
     )
 
 
-def weighed(baseline: Baseline, judged: Judgement) -> Judgement | None:
-    """Weigh a name against a walk and a law without a name, each effect beside the others; None where it loses.
+def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
+    """Weigh a name against a walk and a law without a name, each effect beside the others; `decided` says what comes of it.
 
-    Where a walk explains what one effect leaves at a sure floor, `named_with_walk` decides; else what reaches the floor gets
-    the walk that remains beside it.
+    It gets the walk that remains beside it.
     """
     final = judged.final
     added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
-    if not added:
-        return judged
-    last = walk_beside(final)
-    widened = 1.0
+    last, unit = walk_beside(final), 1.0
     if len(added) == 1:
-        widened = dispersion(baseline, [one.fit for one in judged.ranked if one.plausible])
         near = [one for one in judged.ranked if one.claimed and one.plausible]
+        unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
-        nats = {one.name: one.evidence for one in near}
-        if weigh(baseline.walk, nats, effects, last, widened).verdict != "named":
-            return None
+        decided = [weigh(baseline.walk, {one.name: one.evidence for one in near}, effects, last, unit)]
     else:
+        decided = []
         for effect in added:
             less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
             nats = {effect.name: evidence(less, final, baseline.scales)}
-            if weigh(walk_beside(less), nats, {effect.name: effect}, last).verdict != "named":
-                return None
-    if last.evidence <= RIVALS_WITHIN * widened:
-        return judged
-    left_to_others = baseline.floor_is_sure and len(added) == 1
-    return None if left_to_others or not baseline.adequate(final) else replace(judged, walk=last)
+            decided.append(weigh(walk_beside(less), nats, {effect.name: effect}, last))
+    walk = last if last.evidence > RIVALS_WITHIN * unit else None
+    return replace(judged, decided=tuple(decided), walk=walk)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
     """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
 
     None where no effect does, where a walk alone reaches it, or where the leader leaves a law without a name. Of a
-    rig that drifts neither a law of time is named, for a walk is now and then like one, nor a line, which follows any
-    motion for a while.
+    rig that drifts neither a law of time is named, for a walk is now and then like one, nor a force that is a line,
+    which follows any motion for a while.
     """
     alone = baseline.walk.simulated
     if baseline.reached_with(alone):
         return None
-    near = [one for one in ranked if one.plausible and not one.term.effect.line][:_NEAR]
+    follows_any = [one for one in ranked if one.term.is_force and one.term.effect.line]
+    near = [one for one in ranked if one.plausible and one not in follows_any][:_NEAR]
     gain = {
         one: evidence(baseline.fit, one.fit, baseline.scales) + at_rest(baseline.decays, one.fit, one.term)
         for one in near
@@ -170,20 +163,20 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     best = max(together, key=lambda one: together[one], default=None)
     if best is None or not baseline.reached_with(walks[best]):
         return None
-    widened = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
+    unit = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
     found = decide(
-        {one.name: (nats - alone.evidence) / widened for one, nats in together.items()},
+        {one.name: (nats - alone.evidence) / unit for one, nats in together.items()},
         {one.name: one.term.effect for one in ranked},
-        unnamed=smooth_law_beside(alone) / widened,
-        beside=smooth_law_beside(walks[best]),
+        unnamed=smooth_law_beside(alone) / unit,
+        beside=smooth_law_beside(walks[best]) / unit,
     )
     if found.verdict != "named":
         return None
     leads, *rest = (
-        replace(one, claimed=one.name in found.names, evidence=found.nats.get(one.name, one.evidence))
+        replace(one, claimed=one.name in found.names)
         for one in (best, *(one for one in ranked if one is not best))
     )
-    return Judgement(verdict_of(best), (leads, *rest), best.fit, walk=walks[best])
+    return Judgement(verdict_of(best), (leads, *rest), best.fit, walk=walks[best], decided=(found,))
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:

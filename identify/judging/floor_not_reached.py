@@ -33,10 +33,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.suspects import Candidate, singles, try_terms
 from identify.judging.verdict import Judgement
-from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
-
-_THE_SAME = 0.05
-"""Relative difference up to which a strength is the one predicted: one in thirty of those between -1 and 2 times it."""
+from identify.priors import AGREES, CLEAR, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING, SAME
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -57,15 +54,16 @@ def at_a_guess(baseline: Baseline, alone: Judgement, curves: Curves) -> Judgemen
     predicted = tuple(entry for entry in alike if is_predicted(entry))[:1]
     of_one_kind = bool(predicted) or len({entry.term.effect.of_time for entry in alike}) == 1
     simplest_first = predicted or sorted(alike, key=lambda entry: complexity(entry.term.effect))
-    clear = (e for e in simplest_first if e.term.effect.kind != "physics" or is_clear(e.fit, e.term))
+    clear = (e for e in simplest_first if not e.term.is_force or is_clear(e.fit, e.term))
     best = next(clear, None) if of_one_kind else None
     if best is not None:
         rest = tuple(entry for entry in alone.ranked if entry is not best)
         named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=curves.confirmation)
         kept = named if predicted else weighed(baseline, named)
-        if kept is not None:
+        if kept.stands(baseline):
             return kept
-    return by_curves(baseline, alone.ranked, curves, simplest_first[0].fit)
+    found = by_curves(baseline, alone.ranked, curves, simplest_first[0].fit)
+    return found if best is None else replace(found, decided=kept.decided)
 
 
 def unclaimed(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
@@ -107,7 +105,7 @@ def by_curves(baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves,
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None:
         shape = free_form(baseline, best)
-        return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
+        return Judgement("unknown_effect", ranked, best, shape=shape)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
 
@@ -143,14 +141,14 @@ def _by_free_run(
     follows any motion for a while, and no implausible effect may leave less.
     """
     best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
-    if best is None or not _is_physics(best):
+    if best is None or not _is_steady_force(best):
         return None
     much = baseline.fit.chi_square
     if beats and best.term.force.proportional and best.fit.chi_square < _LINE_LEAVES * much:
         return _singled_out(baseline, best, (), ranked, found)
     if baseline.floor_is_sure:
         return None
-    reach = tuple(e for e in ranked if _is_physics(e) and e.fit.chi_square < NEXT_TO_NOTHING * much)
+    reach = tuple(e for e in ranked if _is_steady_force(e) and e.fit.chi_square < NEXT_TO_NOTHING * much)
     names = rivals_of(best, ranked)
     alike = tuple(e for e in reach if e is best or e.name in names)
     predicted = tuple(e for e in reach if is_predicted(e))[:1]
@@ -158,10 +156,6 @@ def _by_free_run(
     if leader is None or any(e.term.effect.of_time for e in alike) or not is_clear(leader.fit, leader.term):
         return None
     return _singled_out(baseline, leader, alike, ranked, found)
-
-
-def _is_physics(entry: Candidate) -> bool:
-    return entry.plausible and entry.term.effect.kind == "physics" and not entry.term.effect.line
 
 
 def _singled_out(
@@ -188,7 +182,7 @@ def is_predicted(candidate: Candidate) -> bool:
         return False
     values = candidate.fit.parameters
     whole = values[str(name)].value
-    return abs(values[str(candidate.term.strength)].value - whole) < _THE_SAME * whole
+    return abs(values[str(candidate.term.strength)].value - whole) < CLEAR * SAME * whole
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
@@ -233,7 +227,7 @@ def line_beside(
 
     None where no force is claimed, where one reaches the floor, or where what it leaves holds no line of a sensor.
     """
-    force = next((e for e in ranked if e.plausible and _is_steady_force(e)), None)
+    force = next((e for e in ranked if _is_steady_force(e)), None)
     if force is None or not force.claimed:
         return None
     if _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].fit):
@@ -266,5 +260,5 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
 
 
 def _is_steady_force(entry: Candidate) -> bool:
-    """Check that a suspect is a force made by the motion: a shaking force is no better known than a sensor's line."""
-    return entry.term.is_force and not entry.term.effect.line
+    """Check that a suspect is a plausible force made by the motion: shaking is no better known than a sensor's line."""
+    return entry.plausible and entry.term.is_force and not entry.term.effect.line

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 from identify.curves.confirm import Curves
 from identify.effects.effect import Effect
+from identify.evidence import Evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.model_error import motion_percent, removed_percent
 from identify.judging.beside_walk import named_with_walk, weighed, with_walk
 from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.judging.nonparametric_force import free_form
-from identify.judging.ranking import rivals_of
+from identify.judging.ranking import rank, rivals_of
 from identify.judging.several_effects import Several, several_effects
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import Candidate, score_candidate
@@ -89,6 +90,7 @@ def _judged(
     if best is None:
         return by_curves(baseline, ranked, curves, baseline.fit)
     reached = baseline.adequate(best.fit)
+    decided: tuple[Evidence, ...] = ()
     named = Judgement(verdict_of(best), ranked, best.fit) if best.plausible else None
     if not baseline.floor_is_sure:
         if reached and named is not None:
@@ -97,21 +99,27 @@ def _judged(
         several = None if reached else several_effects(baseline, ranked, library)
         named = named if several is None else _of_several(baseline, ranked, several)
         kept = None if named is None else weighed(baseline, named)
-        if kept is None or kept.walk is not None:  # of a rig that drifts one effect is named before several
-            kept = named_with_walk(baseline, ranked) or kept
-        if kept is not None:
+        stands = kept is not None and kept.stands(baseline)
+        if kept is None or not stands or kept.walk is not None:
+            drifting = named_with_walk(
+                baseline, ranked
+            )  # of a rig that drifts one effect is named before several
+            kept, stands = drifting or kept, stands or drifting is not None
+        if kept is not None and stands:
             return kept
+        decided = () if kept is None else kept.decided
     if not reached:
-        return by_curves(baseline, ranked, curves, best.fit)
+        return replace(by_curves(baseline, ranked, curves, best.fit), decided=decided)
     shape = free_form(baseline, baseline.fit)
-    return Judgement("unknown_effect", ranked, baseline.fit if best.plausible else best.fit, shape=shape)
+    final = baseline.fit if best.plausible else best.fit
+    return Judgement("unknown_effect", ranked, final, shape=shape, decided=decided)
 
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
     """Name several effects, the one that is best alone first; a law of a family was not tried alone."""
     if not any(entry.name in found.names for entry in ranked):
         law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
-        ranked = (law, *ranked)
+        ranked = rank(baseline, (law, *ranked))
     ranked = tuple(replace(entry, claimed=entry.claimed or entry.name in found.names) for entry in ranked)
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
@@ -134,7 +142,8 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     found = candidate.name in judgement.final.model
     told = judgement.confirmation.effects if judgement.confirmation is not None else ()
     confirmed = next((effect for effect in told if effect.name == candidate.name), None)
-    rivals = rivals_of(candidate, judgement.ranked) if confirmed is None else confirmed.rivals
+    alike = (*judgement.alike(candidate.name), *rivals_of(candidate, judgement.ranked))
+    rivals = tuple(dict.fromkeys(alike)) if confirmed is None else confirmed.rivals
     if found and not is_final and confirmed is None:
         rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(

@@ -16,7 +16,7 @@ from identify.fitting.fit import Fit
 from identify.judging.suspects import Candidate
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import RIVALS_WITHIN
+from identify.priors import CLEAR, RIVALS_WITHIN
 
 
 def rivals_of(entry: Candidate, ranked: tuple[Candidate, ...]) -> tuple[str, ...]:
@@ -35,14 +35,14 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
 
     A candidate is claimed where it is improbable that nothing is missing, if it is better than nothing by as much.
     """
-    widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
+    unit = chi_square_unit(baseline, [c.fit for c in tried if c.plausible])
     nats = [
-        evidence(baseline.fit, c.fit, baseline.scales, widened) + at_rest(baseline.decays, c.fit, c.term)
+        evidence(baseline.fit, c.fit, baseline.scales, unit) + at_rest(baseline.decays, c.fit, c.term)
         for c in tried
     ]
     sure = nothing(nats) < baseline.alpha
     ranked = (
-        replace(c, evidence=n, claimed=sure and n > -np.log(baseline.alpha))
+        replace(c, evidence=n, unit=unit, claimed=sure and n > -np.log(baseline.alpha))
         for c, n in zip(tried, nats, strict=True)
     )
     return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
@@ -64,8 +64,8 @@ def _order(entry: Candidate) -> tuple[int, float]:
     return tier, -entry.evidence
 
 
-def dispersion(baseline: Baseline, tried: Sequence[Fit]) -> float:
-    """Return the factor by which the residual of the best refit widens the noise, by its power and its correlation."""
+def chi_square_unit(baseline: Baseline, tried: Sequence[Fit]) -> float:
+    """Return the unit in which chi-square counts: that of the best refit, times the readings worth an independent one."""
     best = min(tried, key=lambda found: found.chi_square, default=baseline.fit)
     lengths = []
     for i, window in enumerate(best.windows):
@@ -84,13 +84,6 @@ def _correlation_length(values: Array) -> float:
     correlation = correlation / correlation[0]
     below = np.flatnonzero(correlation < 0.0)
     return float(1.0 + 2.0 * correlation[1 : below[0] if len(below) else n].sum())
-
-
-DENIED = -6.0
-"""Nats below which the rest rules a candidate out."""
-
-_SAME = 4.0
-"""Standard errors within which two frequencies are one."""
 
 
 def at_rest(decays: tuple[PreparedDecay, ...], found: Fit, term: Term) -> float:
@@ -127,6 +120,6 @@ def _line_of_held_mass(decays: tuple[PreparedDecay, ...], found: Fit, term: Term
     for prepared in decays:
         for colour in prepared.rest_colour.values():
             for line in colour.lines:
-                if abs(line.frequency - frequency) < _SAME * line.uncertainty:
+                if abs(line.frequency - frequency) < CLEAR * line.uncertainty:
                     against += 0.5 * line.power * len(colour.left)
     return -against

@@ -19,12 +19,10 @@ from identify.fitting.parameter_layout import OWN_STIFFNESS, windows_by_release
 from identify.formatting import three_figures
 from identify.judging.suspects import Candidate
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import RIVALS_WITHIN
+from identify.priors import DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
-CLEARLY = 1e-4
-"""Probability below which what a spring and damper of each release's own gain is no chance."""
-
-SURE = -math.log(CLEARLY)
+SURE = -math.log(DOUBT_AT_A_GUESS)
+"""Surprise from which on what a spring and damper of each release's own gain is no chance."""
 
 
 def where_releases_differ(baseline: Baseline) -> Baseline:

@@ -15,7 +15,7 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.segments import first_cycles
 from identify.judging.linear_gain import states_of_term, with_fault
-from identify.judging.ranking import DENIED, at_rest
+from identify.judging.ranking import at_rest
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
     Candidate,
@@ -25,6 +25,7 @@ from identify.judging.suspects import (
     try_terms,
 )
 from identify.model.model import Term
+from identify.priors import RIVALS_WITHIN
 
 _CYCLES = 30.0
 """Cycles of each of the two, at most: what a record of a few seconds has."""
@@ -134,7 +135,7 @@ def _makes_sense(baseline: Baseline, several: Several) -> bool:
     """Check that each of several effects has plausible values, and that the rest before the releases allows it."""
     return all(
         is_plausible(several.fit, term, baseline.scales)
-        and at_rest(baseline.decays, several.fit, term) > DENIED
+        and at_rest(baseline.decays, several.fit, term) > -RIVALS_WITHIN
         for term in several.terms
     )
 
@@ -168,7 +169,7 @@ def _beside_the_best(
             terms = tuple(term for term in terms if not term.is_force)
         seconds = try_terms(baseline.decays, alone, terms, goal=baseline.highest * alone.degrees)
         rest = {one: at_rest(baseline.decays, one.fit, one.term) for one in seconds}
-        allowed = [one for one in seconds if rest[one] > DENIED]
+        allowed = [one for one in seconds if rest[one] > -RIVALS_WITHIN]
         if allowed:
             second = max(allowed, key=lambda one: one.evidence + rest[one])
             yield Several(second.fit, (first.term, second.term))

@@ -26,7 +26,8 @@ _BEHIND = 2.0
 class Candidate:
     """One effect in its best variant, added to a model and refitted, with its evidence (nats) against the model.
 
-    `plausible` is False where its values make it the same force as another effect; `claimed` says that it may be named.
+    `unit` is the unit of chi-square in which that was counted. `plausible` is False where its values make it the same
+    force as another effect; `claimed` says that it may be named.
     """
 
     term: Term
@@ -34,6 +35,7 @@ class Candidate:
     evidence: float
     plausible: bool
     claimed: bool = False
+    unit: float = 1.0
 
     @property
     def name(self) -> str:
@@ -49,15 +51,13 @@ def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) 
     """
     terms = []
     for effect in library:
-        if not effect.has_meaning_for(window.unit):
+        if effect.name in model or not effect.has_meaning_for(window.unit):
             continue
         if isinstance(effect, SensorFault) and (effect.corrected_in_every_fit or window.segment):
             continue
         for variant in effect.variants:
             channel = variant.get("channel")
             if channel is not None and channel not in window.readings:
-                continue
-            if any(t.effect.name == effect.name and t.channel == (channel or "") for t in model.terms):
                 continue
             terms.append(Term(effect, variant))
     return tuple(terms)

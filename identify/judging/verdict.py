@@ -7,6 +7,7 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.curves.decay_curve import DecayCurve
+from identify.evidence import Evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
@@ -46,6 +47,7 @@ class Judgement:
     curves predict, None where they were not asked; `driven` the curve of a motion that does not die away. `too_small` is
     what was removed, in % of the motion, by what is sure and too small to be named; 0 where that is not so. `walk` is a
     random walk of spring and damper that remains beside the name or, without one, explains all of the misfit; else None.
+    `decided` is what the table weighed and decided, for each of several effects its own.
     """
 
     verdict: Verdict
@@ -57,11 +59,22 @@ class Judgement:
     driven: DecayCurve | None = None
     too_small: float = 0.0
     walk: RandomWalk | None = None
+    decided: tuple[Evidence, ...] = ()
+
+    def stands(self, baseline: Baseline) -> bool:
+        """Whether the table names each effect, and no walk is needed to explain what a fit above the floor leaves."""
+        named = all(one.verdict == "named" for one in self.decided)
+        return named and (self.walk is None or baseline.adequate(self.final))
+
+    def alike(self, name: str) -> tuple[str, ...]:
+        """List what the table names and does not distinguish from an effect."""
+        names = (one.names for one in self.decided if one.verdict == "named" and name in one.names)
+        return tuple(other for other in next(names, ()) if other != name)
 
 
 def verdict_of(candidate: Candidate) -> Verdict:
     """Choose the verdict for one named candidate: a force or a sensor's fault."""
-    return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"
+    return "missing_effect" if candidate.term.is_force else "sensor_fault"
 
 
 def too_few_cycles(baseline: Baseline) -> bool:

@@ -105,7 +105,7 @@ class Model:
 
     def plus(self, term: Term) -> "Model":
         """Return the model with one more effect; ValueError when it is there already."""
-        if any(term.effect.name == t.effect.name and term.channel == t.channel for t in self.terms):
+        if term.effect.name in self:
             raise ValueError(f"{term.effect.name} is in the model already")
         return Model((*self.terms, term))
 

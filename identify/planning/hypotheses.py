@@ -15,7 +15,7 @@ from identify.fitting.initial_values import close_starts, scales_of
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import among, plain_name
 from identify.judging.nonparametric_force import NonparametricForce
-from identify.judging.ranking import at_rest, dispersion
+from identify.judging.ranking import at_rest, chi_square_unit
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import candidate_terms, laws_of_families, try_terms
 from identify.model.measured_path import force_along
@@ -110,14 +110,14 @@ def hypotheses_of(
     between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
     for one in (*_swapped(baseline, suspects, named, final), *between):
         found.setdefault(one.names, one)
-    widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
+    unit = chi_square_unit(baseline, [one.fit for one in found.values() if one.names])
     none = float(np.log(max(len(suspects), 1)))  # to begin with as probable as all suspects together
     weighed = []
     for one in found.values():
-        known = _log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, one.fit)
+        known = _log_odds(one, baseline.fit, scales, unit) + _at_rest(baseline, one.fit)
         weighed.append(replace(one, log_odds=known if one.names else none))
     if shape is not None and shape.shapes:
-        weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
+        weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, unit), shape))
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk))
     weighed = _agreeing(
@@ -163,15 +163,15 @@ def with_rivals(
     return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
 
 
-def _log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float) -> float:
-    """Return the evidence (nats) of a hypothesis against the `base` without its effects, in noise `widened` by a factor."""
-    gain = 0.5 * (base.chi_square - one.fit.chi_square) / widened
-    return gain - price(base, one.free or one.fit, scales, widened)
+def _log_odds(one: Hypothesis, base: Fit, scales: Scales, unit: float) -> float:
+    """Return the evidence (nats) of a hypothesis against the `base` without its effects, in a `unit` of chi-square."""
+    gain = 0.5 * (base.chi_square - one.fit.chi_square) / unit
+    return gain - price(base, one.free or one.fit, scales, unit)
 
 
-def _of_shape(base: Fit, widened: float) -> float:
+def _of_shape(base: Fit, unit: float) -> float:
     """Return the evidence (nats) of a law that leaves nothing but noise, each of its knots at BIC's price."""
-    gain = 0.5 * max(base.chi_square - widened * base.degrees, 0.0) / widened
+    gain = 0.5 * max(base.chi_square - unit * base.degrees, 0.0) / unit
     return gain - 0.5 * _FREE_FORM * float(np.log(max(base.degrees, 2)))
 
 

@@ -116,7 +116,7 @@ def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBR
                 "defines it with --effects"
             )
         term = Term(effect, _held(entry, effect, where))
-        if any(term.effect.name == other.effect.name and term.channel == other.channel for other in terms):
+        if any(term.effect.name == other.effect.name for other in terms):
             raise UsageProblem(f"{where}: {entry.effect} stands in it twice")
         terms.append(term)
         values |= _values(entry, term, where)

@@ -18,12 +18,10 @@ def test_adding_and_removing_an_effect_leaves_the_model_it_began_from_alone():
     assert "cubic_stiffness" not in base
 
 
-def test_an_effect_is_added_only_once_but_a_fault_once_a_channel():
+def test_an_effect_is_added_only_once_a_fault_in_one_channel():
     base = base_model().plus(Term(find_effect("clipping"), {"channel": "acceleration"}))
-    both = base.plus(Term(find_effect("clipping"), {"channel": "displacement"}))
-    assert [t.channel for t in both.terms[3:]] == ["acceleration", "displacement"]
     with pytest.raises(ValueError, match="clipping is in the model already"):
-        both.plus(Term(find_effect("clipping"), {"channel": "displacement"}))
+        base.plus(Term(find_effect("clipping"), {"channel": "displacement"}))
 
 
 def test_removing_what_is_not_there_says_what_is():

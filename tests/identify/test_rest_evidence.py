@@ -6,9 +6,10 @@ from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
-from identify.judging.ranking import DENIED, at_rest
+from identify.judging.ranking import at_rest
 from identify.judging.suspects import try_terms
 from identify.model.model import Term, base_model
+from identify.priors import RIVALS_WITHIN
 from mocks.imperfections import ALIASED_LINE
 
 
@@ -24,7 +25,9 @@ def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_forces():
     prepared, _ = drawn(None, 0.0, 1000, imperfections=(ALIASED_LINE,))
     lines = [line for colour in prepared.rest_colour.values() for line in colour.lines]
     strongest = max(lines, key=lambda line: line.power)
-    assert at_rest((prepared,), *fitted_at(prepared, "harmonic_forcing", strongest.frequency)) < DENIED
+    assert (
+        at_rest((prepared,), *fitted_at(prepared, "harmonic_forcing", strongest.frequency)) < -RIVALS_WITHIN
+    )
     assert at_rest((prepared,), *fitted_at(prepared, "harmonic_forcing", strongest.frequency + 5.0)) == 0.0
 
 
