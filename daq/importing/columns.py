@@ -58,7 +58,7 @@ DERIVED = (
 ANGULAR = (
     "angle", "winkel", "angular", "angulaire", "angulo", "angolo", "hoek", "vinkel", "kulma", "угол", "角度", "rotation",
     "drehwinkel", "winkelgeschwindigkeit", "winkelbeschleunigung", "phi", "theta", "psi", "alpha", "omega", "roll",
-    "pitch", "yaw", "gyro", "torque", "drehmoment", "moment", "encoder", "uhel", "각도",
+    "φ", "θ", "ψ", "ω", "pitch", "yaw", "gyro", "torque", "drehmoment", "moment", "encoder", "uhel", "각도",
 )  # fmt: skip
 INDEX = frozenset({"index", "sample", "samples", "nr", "no", "number", "n", "i", "#", "row", "point", "id"})
 _LETTERS = {

@@ -11,7 +11,8 @@ import numpy as np
 from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
 from daq.importing.choose import choose_columns, left_out
-from daq.importing.column_numbers import is_difference, is_measurable, is_offset
+from daq.importing.column_numbers import counts_rows, is_difference, is_measurable, is_offset
+from daq.importing.columns import meaning
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
@@ -248,17 +249,25 @@ def _unit_of(
         notes.append(f"{place} read as {quantity} in {written}{asked}")
         return said.unit_text
     if quantity == "time":
+        if asked and counts_rows(column.values):
+            raise problem(
+                table.path, f"{place} counts its rows, and nothing says how long one takes",
+                "give --rate HZ in its place, or --unit time=ms",
+            )  # fmt: skip
         spelled, why = guess_time_unit(column)
         assumed = f"; it names no unit: {why} (change it with --unit time=...)"
         notes.append(f"{place} read as time{'; times of day' if column.clock else assumed}")
         return spelled
     spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
-    if turns == "counts" and quantity == "displacement":
+    says_nothing = meaning(column.label, column.unit).quantity is None and not turns
+    if quantity == "displacement" and (turns == "counts" or (asked and says_nothing)):
         spelled = "counts"
     elif quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
         spelled = DEGREES[quantity]
+    were = "were" if spelled == "counts" else "was"
     notes.append(
-        f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed (change it with --unit {quantity}=...)"
+        f"{place} read as {quantity}{asked}; it names no unit: {spelled} {were} assumed "
+        f"(change it with --unit {quantity}=...)"
     )
     return spelled
 

@@ -100,3 +100,9 @@ def test_an_option_may_give_a_sensors_scale() -> None:
 @pytest.mark.parametrize("text", ["0 m", "nan m", "1e999 m", "m 2", "-", "5"])
 def test_a_scale_that_is_none_is_refused(text: str) -> None:
     assert parse_scaled_unit(text) is None
+
+
+@pytest.mark.parametrize("letter", ["θ", "φ", "theta", "phi", "psi"])
+def test_a_greek_letter_is_an_angle_as_its_name_is(letter: str) -> None:
+    assert meaning(letter).angular
+    assert meaning(letter).quantity == "displacement"

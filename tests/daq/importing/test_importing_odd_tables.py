@@ -498,3 +498,19 @@ def test_a_column_named_for_a_quantity_that_holds_no_number_is_refused_by_its_na
     text = table("time,x,v", t, np.full(len(t), np.nan), v)
     told = refusal(tmp_path, text, columns={"displacement": "x"})
     assert "column 2 'x' holds no numbers; name another one" in told
+
+
+def test_a_column_of_which_only_an_option_says_what_it_is_has_no_unit(tmp_path: Path) -> None:
+    t, u, _, _ = swing()
+    text = table("time,cx,x", t, 500.0 + 2e4 * u, 2e4 * u)
+    assert load(tmp_path, text, columns={"displacement": "cx"}).channels[0].unit == "count"
+    assert load(tmp_path, text, columns={"displacement": "x"}).channels[0].unit == "m"
+
+
+def test_a_column_that_counts_its_rows_is_no_time_without_a_unit(tmp_path: Path) -> None:
+    _, u, _, _ = swing()
+    text = table("frame,cx", np.arange(len(u)), 2e4 * u)
+    columns = {"time": "frame", "displacement": "cx"}
+    with pytest.raises(ImportProblem, match=r"column 1 'frame' counts its rows.*give --rate HZ"):
+        load(tmp_path, text, columns=columns)
+    assert load(tmp_path, text, columns=columns, units={"time": "ms"}).rate == pytest.approx(1000.0)
