@@ -321,19 +321,16 @@ def _searched(
 
 
 def _worth_a_fit(baseline: Baseline, library: tuple[Effect, ...], curves: Curves) -> tuple[Effect, ...]:
-    """List the effects to simulate and fit: all, or, on long records with a guessed floor, those that the curves leave open.
+    """List the effects to simulate and fit: all, or, where curves of a long record confirm something, those they mention.
 
-    There every simulation is slow, and the floor is not reached.
-
-    Where they confirm something, that is what they mention; otherwise also what they cannot show.
+    Every simulation is slow there, and where the floor is a guess it is not reached.
     """
     if baseline.floor_is_sure or not any(window.segment for window in baseline.fit.windows):
         return library
     found = curves.confirmation
-    if found is None:
+    if found is None or not found.effects:
         return library
-    unseen = not found.effects
-    return tuple(e for e in library if e.name in found.mentioned or (unseen and not found.has_law(e.name)))
+    return tuple(effect for effect in library if effect.name in found.mentioned)
 
 
 def _curves(baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]) -> Curves:
