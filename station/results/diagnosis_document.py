@@ -80,6 +80,20 @@ class FindingDocument(Part):
     words: str = ""
 
 
+class DecidedDocument(Part):
+    """What the table of verdicts weighed, in nats beyond a random walk of spring and damper, and what it decided.
+
+    `names` are the laws that are not distinguishable; `unnamed` is a law without a name in their place, `beside` one beside
+    the first of them, None where that was not weighed.
+    """
+
+    verdict: str
+    nats: dict[str, Number]
+    names: list[str]
+    unnamed: Number
+    beside: Number
+
+
 class CurveDocument(Part):
     """The missing force per unit mass along one coordinate; `where` is the displacement or velocity that it belongs to."""
 
@@ -202,6 +216,7 @@ class DiagnosisDocument(Document):
     used: list[UsedDocument] = Field(default_factory=list)
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     walk: dict[str, Any] | None = None
+    decided: list[DecidedDocument] = Field(default_factory=list)
     caution: str = ""
     modes: list[dict[str, Any]] = Field(default_factory=list)
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
@@ -244,6 +259,10 @@ def diagnosis_document(
         error=errors_of(baseline),
         noise_floor=_noise_floor(found),
         modes=[picked(mode, "percent", "channel", "words", frequency_hz="frequency") for mode in found.modes],
+        decided=[
+            DecidedDocument.of(one)
+            for one in (*found.decided, *(() if confirmation is None else confirmation.asked))
+        ],
         walk=plain(picked(found.walk, "evidence", "stiffness", "damping", "reduced")),
         rivals=found.suspects[0].rivals if found.named else (),
         confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],

@@ -8,6 +8,7 @@ from identify.formatting import DASH, among, plain_name, three_figures
 from identify.judging.verdict import HEADLINES
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import (
+    DecidedDocument,
     DiagnosisDocument,
     FindingDocument,
     SharesDocument,
@@ -24,6 +25,14 @@ TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
+NO_NAME, BESIDE = "a law without a name, in their place", "a law without a name, beside the first"
+DECIDED = {
+    "named": "it has a name",
+    "nothing": "no law is better than such a drift",
+    "no name": "something without a name",
+    "may drift": "a law of the amplitude or of time",
+    "too many": "too many laws are not distinguishable",
+}
 
 
 def headline(document: DiagnosisDocument) -> str:
@@ -52,7 +61,8 @@ def told(document: DiagnosisDocument, weighing: Weighing, *, full: bool = False)
     brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     said.append(("caution", typeset(document.caution)))
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
-    more: list[Part] = [Paragraph(typeset(document.explanation)), *predictions(document)]
+    more: list[Part] = [Paragraph(typeset(document.explanation)), *map(evidence, document.decided)]
+    more += predictions(document)
     more += shares_tables(document.shares)
     rest = following if named else []
     more += facts((*_facts(document), *sensor[1:], *mend, *rest))
@@ -101,6 +111,21 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     if any(suspect.effect in e.rivals for e in found.effects):
         return "nearly"
     return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
+
+
+def evidence(decided: DecidedDocument) -> Table:
+    """Make the table of what was weighed, and how far each is behind the first (nats); the caption says what was decided."""
+    laws = sorted(decided.nats.items(), key=lambda one: -(one[1] or 0.0))[:MOST_SUSPECTS]
+    first = max((*(nats or 0.0 for _, nats in laws), decided.unnamed or 0.0))
+    rows = [
+        (plain_name(name), three_figures(nats), three_figures(first - (nats or 0.0))) for name, nats in laws
+    ]
+    if decided.unnamed is not None:
+        rows.append((NO_NAME, three_figures(decided.unnamed), three_figures(first - decided.unnamed)))
+    if decided.beside is not None:
+        rows.append((BESIDE, three_figures(decided.beside), ""))
+    caption = f"Evidence beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
+    return Table(caption, ("law", "nats", "behind the first"), tuple(rows))
 
 
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:

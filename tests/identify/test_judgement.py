@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
 from releases import drawn
 
 from identify.curves.confirm import Curves
@@ -11,8 +13,10 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent
+from identify.free_decay import FreeDecay
 from identify.judging.judgement import judge
 from identify.model.model import Term, base_model
+from mocks.generate import draw
 
 FORCES = tuple(find_effect(name) for name in ("cubic_stiffness", "quadratic_damping", "stribeck_friction"))
 
@@ -54,3 +58,40 @@ def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_whe
     ladder = small.refine()
     assert len(ladder.steps) == 1
     assert ladder.stopped_because == "the residual is too small a part of the motion to be worth a name"
+
+
+def test_the_verdict_follows_from_what_was_weighed():
+    prepared, _ = drawn("cubic_stiffness", 0.01, 47)
+    found = diagnose((prepared,), library=FORCES)
+    (one,) = found.decided
+    assert (found.named, one.verdict, one.names[0]) == (("cubic_stiffness",), "named", "cubic_stiffness")
+    assert max(one.nats, key=lambda name: one.nats[name]) == "cubic_stiffness"
+    assert one.nats["cubic_stiffness"] > one.unnamed
+    prepared, _ = drawn("magnet", 0.03, 9)  # outside the library
+    found = diagnose((prepared,), library=FORCES)
+    assert (found.verdict, found.named) == ("unknown_effect", ())
+    (one,) = found.decided
+    assert one.verdict != "named"
+
+
+@pytest.mark.slow
+def test_a_law_of_a_family_is_weighed_in_the_same_unit_as_its_rivals():
+    prepared, _ = drawn("lugre_friction", 0.02, 601)
+    found = diagnose((prepared,))
+    assert found.named == ("lugre_friction",)
+    (one,) = found.decided
+    behind = next(s for s in found.suspects if s.effect.name == "dahl_friction")
+    weighed = one.nats["lugre_friction"] - one.nats["dahl_friction"]
+    assert weighed == pytest.approx(found.suspects[0].evidence - behind.evidence)
+    assert weighed == pytest.approx(0.5 * (behind.fit.chi_square - found.final.chi_square), rel=0.3)
+
+
+def test_a_line_of_one_sensor_is_named_beside_a_spring_that_wanders():
+    sample = draw("wandering_stiffness", 3e-4, 702)
+    time = np.arange(len(sample.displacement)) / sample.rate
+    hum = 0.002 * np.abs(sample.displacement).max() * np.sin(2.0 * np.pi * 50.0 * time)
+    found = diagnose(FreeDecay(sample.rate, sample.displacement + hum, sample.acceleration))
+    assert (found.verdict, found.named) == ("sensor_fault", ("mains_hum",))
+    assert found.walk is not None
+    frequency = found.suspects[0].parameters["f"]
+    assert frequency.value == pytest.approx(50.0, abs=5.0 * frequency.std)

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from decays_in_closed_form import exponential
 
+from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.segments import drifts, segments, what_was_used
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from identify.signal.integration import slow_part
+from mocks.generate import draw
 
 FREQUENCY, DECAY = 3.94, 0.02
 STIFFNESS = (2 * np.pi * FREQUENCY) ** 2 + DECAY**2  # per unit mass, of A e^(-d t) cos(w t)
@@ -103,3 +105,15 @@ def test_the_slow_part_bridges_a_gap():
     u, _, _ = exponential(time, FREQUENCY)
     found = slow_part(np.where(there, u + drift, 99.0), rate, FREQUENCY, there)
     assert np.max(np.abs(found.value - drift)) < 1e-4 * 0.02
+
+
+@pytest.mark.slow
+def test_a_stop_that_no_curve_shows_is_found_by_free_run_in_a_long_record_of_one_channel():
+    sample = draw("end_stop", 0.5, 1, seconds=24.0, mu_0=0.02, mu_1=0.1)
+    found = diagnose(FreeDecay(sample.rate, displacement=sample.displacement))
+    assert len(found.baseline.fit.windows) > 1
+    assert found.confirmation is not None
+    assert not found.confirmation.effects
+    assert found.named == ("end_stop",)
+    gap = found.suspects[0].parameters["gap"]
+    assert gap.value == pytest.approx(sample.truth["parameters"]["gap"], abs=5.0 * gap.std)
