@@ -27,6 +27,9 @@ LEAD_S = 0.015
 UNFREE_SHARE = 0.35
 """A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
 
+LAST_CYCLES, TAKEN_FOR = 4.5, 0.25
+"""Cycles before the end of a burst in which a hand may take the mass again, and how long it does, in cycles, at least."""
+
 BEAT_SHARE = 0.9
 """A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
 
@@ -221,7 +224,12 @@ def _release(rate: float, channels: list[_Channel], period: float, burst: _Burst
     onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
     n = len(channels[0].values)
-    end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
+    lead = channels[0]
+    end = min(
+        _end_of_motion(lead, period, burst),
+        _taken_again(lead, period, burst),
+        first_gap(lead.lost, burst.start, period),
+    )
     if not found:  # free from the beginning, or once it has risen from rest
         before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
         rises = len(before) > 3 and np.std(before) < max(AT_REST * burst.amplitude, NOISY * channels[0].noise)
@@ -300,6 +308,26 @@ def _still(values: Array, window: int, tolerance: float) -> Mask:
     """Where the channel stays within the tolerance over a window of `window` samples that holds the sample."""
     calm = running_maximum(values, window) - running_minimum(values, window) <= tolerance
     return running_maximum(calm[::-1], window)[::-1]
+
+
+def _taken_again(channel: _Channel, period: float, burst: _Burst) -> int:
+    """Find where a hand takes the mass again near the end of a burst; the burst's end where none does.
+
+    It is the first force that is not the oscillator's own, if such a force lasts as no end stop does.
+    """
+    step = max(1, round(period / POINTS_PER_PERIOD))
+    coarse, turn = _coarse(channel, step, period), period / step
+    last = min(int(burst.stop / step + turn) + 1, len(coarse))
+    first = max(int(burst.start / step + 1.5 * turn), last - round(LAST_CYCLES * turn))
+    if last - first < 2.0 * turn:
+        return len(channel.values)
+    backwards = coarse[first:last][::-1]
+    size = float(np.std(backwards[-round(turn) :])) * np.sqrt(2.0)
+    least = UNFREE_SHARE * size
+    force, uncertainty = unfree(backwards, turn, channel.noise / np.sqrt(step), 0.25 * least)
+    runs = runs_of(np.abs(force[::-1]) > max(least, 4.0 * uncertainty))
+    lasts = any(stop - begin > TAKEN_FOR * turn for begin, stop in runs)
+    return (first + int(runs[0][0])) * step if lasts else len(channel.values)
 
 
 def _end_of_motion(channel: _Channel, period: float, burst: _Burst) -> int:

@@ -195,6 +195,37 @@ def test_several_releases_in_one_file_are_all_found() -> None:
     assert release_of(FreeDecay(256.0, displacement=u)).time_s == found[1].time_s  # the largest
 
 
+@pytest.mark.parametrize(
+    ("seconds", "names"),
+    [(2.6, ("displacement",)), (3.4, ("displacement", "acceleration")), (3.05, ("displacement",))],
+)
+def test_a_release_ends_where_a_hand_takes_the_swinging_mass_again(
+    seconds: float, names: tuple[str, ...]
+) -> None:
+    bench, rng = Bench(mu_0=0.02), np.random.default_rng(11)
+    time = np.arange(int((seconds + 2.0) * 256)) / 256
+    rest = np.full(256, 0.02)
+    free = simulate(bench, Release(displacement=0.02), time[time < seconds])
+    start, speed = free.displacement[-1], free.velocity[-1]
+    after = time[time >= seconds] - seconds
+    to = 0.02 - start  # a critically damped pull from where and how the mass was moving
+    fast = 1.0 / 0.05
+    pulled = 0.02 - (to + (fast * to - speed) * after) * np.exp(-fast * after)
+    again = simulate(bench, Release(displacement=0.02), np.arange(2000) / 256)
+    u = np.concatenate([rest, free.displacement, pulled, again.displacement])
+    a = np.gradient(np.gradient(u)) * 256**2
+    channels = {
+        "displacement": u + 5e-6 * rng.standard_normal(len(u)),
+        "acceleration": a + 0.01 * rng.standard_normal(len(u)),
+    }
+    first, second = find_releases(FreeDecay(256.0, **{name: channels[name] for name in names}))
+    taken = 256 + np.count_nonzero(time < seconds)
+    assert taken - 0.4 * 65 < first.end < taken + 0.15 * 65
+    assert abs(second.index - (taken + len(pulled))) < 4
+    alone = release_of(FreeDecay(256.0, **{name: channels[name][: second.rest[0]] for name in names}))
+    assert taken - 0.4 * 65 < alone.end < taken + 0.15 * 65
+
+
 def test_noise_alone_is_refused_in_words() -> None:
     with pytest.raises(NotIdentifiable):
         release_of(FreeDecay(256.0, acceleration=0.01 * np.random.default_rng(5).standard_normal(1500)))
