@@ -39,9 +39,12 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     size = three_figures(found.usual.typical("motion"))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
-    why = " ".join(filter(None, (*_undecided(found), *(_not_sure(one, before) for one in suspects[:1]))))
-    why = why or "No effect of the library explains it better than a drift of the rig would."
-    return f"The model predicts {basis} with an error of {size} % of the motion there. {why}"
+    nearly = [_not_sure(one, before) for one in suspects[:1]]
+    predicted = f"The model predicts {basis} with an error of {size} % of the motion there."
+    said = [*filter(None, nearly), predicted, *_undecided(found)]
+    if len(said) == 1:
+        said.append("No effect of the library explains it better than a drift of the rig would.")
+    return " ".join(said)
 
 
 def _not_sure(leading: Suspect, before: float) -> str:
