@@ -33,7 +33,8 @@ def test_the_bounds_of_a_number_are_told_in_words(library, words):
         (959408.0, 3831.0, "(9.594 ± 0.038) × 10⁵"),
         (0.0, 7.3, "0.0 ± 7.3"),
         (1.0, 1e-13, "1.00000000000000 ± 0.00000000000010"),
-        (2.5, 0.0, "2.5 (error unknown)"),
+        (2.5, 0.0, "2.5"),
+        (2.5, float("nan"), "2.5 (error unknown)"),
     ],
 )
 def test_a_value_has_no_digit_that_its_error_does_not_bear(value, std, text):
