@@ -23,7 +23,8 @@ from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Term
 from identify.priors import DOUBT, MOST_ALIKE, STRENGTHS
 
-Decided = Literal["nothing", "named", "no name", "may drift", "too many"]
+Decided = Literal["nothing", "named", "no name", "may drift", "too many", "leaves drift"]
+"""What the table decides; "leaves drift" is what it names where that leaves a random walk above the noise."""
 
 
 @dataclass(frozen=True)

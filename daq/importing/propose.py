@@ -21,6 +21,7 @@ from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
+from daq.recording import MOTIONS
 
 DERIVATIVES = (
     ("displacement", "velocity", 1),
@@ -145,6 +146,9 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     label = columns["displacement"].label if "displacement" in columns else ""
     assumed = options.units.get("displacement", turns.get(label, "rad"))
     angular = assumed if _is_angle(columns, options) else ""
+    alone = columns.get("displacement") if columns.keys() & set(MOTIONS) == {"displacement"} else None
+    if alone is not None and options.columns and meaning(alone.label, alone.unit).quantity is None:
+        angular = angular or "counts"  # nothing but an option says what it is
     units = {q: _unit_of(table, q, columns[q], options, angular, notes) for q in ORDER if q in columns}
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
@@ -249,7 +253,8 @@ def _unit_of(
         notes.append(f"{place} read as {quantity} in {written}{asked}")
         return said.unit_text
     if quantity == "time":
-        if asked and counts_rows(column.values):
+        says_so = meaning(column.label, column.unit).quantity == "time"
+        if asked and not says_so and counts_rows(column.values):
             raise problem(
                 table.path, f"{place} counts its rows, and nothing says how long one takes",
                 "give --rate HZ in its place, or --unit time=ms",
@@ -259,8 +264,7 @@ def _unit_of(
         notes.append(f"{place} read as time{'; times of day' if column.clock else assumed}")
         return spelled
     spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
-    says_nothing = meaning(column.label, column.unit).quantity is None and not turns
-    if quantity == "displacement" and (turns == "counts" or (asked and says_nothing)):
+    if turns == "counts" and quantity == "displacement":
         spelled = "counts"
     elif quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
         spelled = DEGREES[quantity]

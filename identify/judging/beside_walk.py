@@ -137,6 +137,8 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
             nats = {effect.name: evidence(less, final, baseline.scales)}
             decided.append(weigh(walk_beside(less), nats, {effect.name: effect}, last))
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
+    if walk is not None and not baseline.adequate(final):
+        decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
     return replace(judged, decided=tuple(decided), walk=walk)
 
 
@@ -150,8 +152,7 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     alone = baseline.walk.simulated
     if baseline.reached_with(alone):
         return None
-    follows_any = [one for one in ranked if one.term.is_force and one.term.effect.line]
-    near = [one for one in ranked if one.plausible and one not in follows_any][:_NEAR]
+    near = [one for one in ranked if one.plausible][:_NEAR]
     gain = {
         one: evidence(baseline.fit, one.fit, baseline.scales) + at_rest(baseline.decays, one.fit, one.term)
         for one in near
@@ -161,7 +162,11 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     walks = {one: linear[one].simulated for one in leaders}
     together = {one: gain[one] + walk.evidence for one, walk in walks.items()}
     best = max(together, key=lambda one: together[one], default=None)
-    if best is None or not baseline.reached_with(walks[best]):
+    if (
+        best is None
+        or not baseline.reached_with(walks[best])
+        or (best.term.is_force and best.term.effect.line)
+    ):
         return None
     unit = max(1.0, WALK_IS_KNOWN * walks[best].evidence)
     found = decide(

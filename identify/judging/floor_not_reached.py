@@ -60,7 +60,7 @@ def at_a_guess(baseline: Baseline, alone: Judgement, curves: Curves) -> Judgemen
         rest = tuple(entry for entry in alone.ranked if entry is not best)
         named = replace(alone, ranked=(best, *rest), final=best.fit, confirmation=curves.confirmation)
         kept = named if predicted else weighed(baseline, named)
-        if kept.stands(baseline):
+        if kept.stands:
             return kept
     found = by_curves(baseline, alone.ranked, curves, simplest_first[0].fit)
     return found if best is None else replace(found, decided=kept.decided)

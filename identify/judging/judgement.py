@@ -99,7 +99,7 @@ def _judged(
         several = None if reached else several_effects(baseline, ranked, library)
         named = named if several is None else _of_several(baseline, ranked, several)
         kept = None if named is None else weighed(baseline, named)
-        stands = kept is not None and kept.stands(baseline)
+        stands = kept is not None and kept.stands
         if kept is None or not stands or kept.walk is not None:
             drifting = named_with_walk(
                 baseline, ranked

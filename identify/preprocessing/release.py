@@ -313,13 +313,14 @@ def _still(values: Array, window: int, tolerance: float) -> Mask:
 def _taken_again(channel: _Channel, period: float, burst: _Burst) -> int:
     """Find where a hand takes the mass again near the end of a burst; the burst's end where none does.
 
-    It is the first force that is not the oscillator's own, if such a force lasts as no end stop does.
+    It is the first force that is not the oscillator's own, if such a force lasts, and none acts in the cycles before: an
+    end stop acts in each.
     """
     step = max(1, round(period / POINTS_PER_PERIOD))
     coarse, turn = _coarse(channel, step, period), period / step
     last = min(int(burst.stop / step + turn) + 1, len(coarse))
     first = max(int(burst.start / step + 1.5 * turn), last - round(LAST_CYCLES * turn))
-    if last - first < 2.0 * turn:
+    if last - first < 3.0 * turn:
         return len(channel.values)
     backwards = coarse[first:last][::-1]
     size = float(np.std(backwards[-round(turn) :])) * np.sqrt(2.0)
@@ -327,7 +328,7 @@ def _taken_again(channel: _Channel, period: float, burst: _Burst) -> int:
     force, uncertainty = unfree(backwards, turn, channel.noise / np.sqrt(step), 0.25 * least)
     runs = runs_of(np.abs(force[::-1]) > max(least, 4.0 * uncertainty))
     lasts = any(stop - begin > TAKEN_FOR * turn for begin, stop in runs)
-    return (first + int(runs[0][0])) * step if lasts else len(channel.values)
+    return (first + int(runs[0][0])) * step if lasts and runs[0][0] > 2.0 * turn else len(channel.values)
 
 
 def _end_of_motion(channel: _Channel, period: float, burst: _Burst) -> int:

@@ -28,10 +28,11 @@ STRENGTH_UNKNOWN = "strength not determined"
 NO_NAME, BESIDE = "a law without a name, in their place", "a law without a name, beside the first"
 DECIDED = {
     "named": "it has a name",
-    "nothing": "no law is better than such a drift",
+    "nothing": "no law with a name is better than such a drift",
     "no name": "something without a name",
     "may drift": "a law of the amplitude or of time",
     "too many": "too many laws are not distinguishable",
+    "leaves drift": "no name, because a drift is left above the noise",
 }
 
 
@@ -124,7 +125,8 @@ def evidence(decided: DecidedDocument) -> Table:
         rows.append((NO_NAME, three_figures(decided.unnamed), three_figures(first - decided.unnamed)))
     if decided.beside is not None:
         rows.append((BESIDE, three_figures(decided.beside), ""))
-    caption = f"Evidence beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
+    of = f" of {rows[0][0]}" if len(laws) == 1 else ""
+    caption = f"Evidence{of} beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
     return Table(caption, ("law", "nats", "behind the first"), tuple(rows))
 
 
