@@ -21,7 +21,6 @@ from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
-from daq.recording import MOTIONS
 
 DERIVATIVES = (
     ("displacement", "velocity", 1),
@@ -145,11 +144,11 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     columns = choose_columns(table, options, notes, doubts)
     label = columns["displacement"].label if "displacement" in columns else ""
     assumed = options.units.get("displacement", turns.get(label, "rad"))
-    angular = assumed if _is_angle(columns, options) else ""
-    alone = columns.get("displacement") if columns.keys() & set(MOTIONS) == {"displacement"} else None
-    if alone is not None and options.columns and meaning(alone.label, alone.unit).quantity is None:
-        angular = angular or "counts"  # nothing but an option says what it is
-    units = {q: _unit_of(table, q, columns[q], options, angular, notes) for q in ORDER if q in columns}
+    default = assumed if _is_angle(columns, options) else ""
+    only = columns.get("displacement") if columns.keys() <= {"time", "displacement"} else None
+    if only is not None and options.columns and meaning(only.label, only.unit).quantity is None:
+        default = default or "counts"  # nothing but an option says what it is
+    units = {q: _unit_of(table, q, columns[q], options, default, notes) for q in ORDER if q in columns}
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
         if options.rate is not None:
@@ -227,11 +226,11 @@ def _is_angle(columns: Mapping[str, SourceColumn], options: ImportOptions) -> bo
 
 
 def _unit_of(
-    table: Table, quantity: str, column: SourceColumn, options: ImportOptions, turns: str, notes: list[str]
+    table: Table, quantity: str, column: SourceColumn, options: ImportOptions, default: str, notes: list[str]
 ) -> str:
     """Return the unit of a channel as it is spelled: from the options, the header, or SI by default, and note which.
 
-    `turns` is the unit of angles that name none, "" where the channels are none.
+    `default` is the unit of a displacement that names none, "" for m.
     """
     place, said, text = column.place, column.said, options.units.get(quantity)
     written = said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
@@ -263,10 +262,10 @@ def _unit_of(
         assumed = f"; it names no unit: {why} (change it with --unit time=...)"
         notes.append(f"{place} read as time{'; times of day' if column.clock else assumed}")
         return spelled
-    spelled = (SI_ANGULAR if turns else SI_LINEAR)[quantity].si
-    if turns == "counts" and quantity == "displacement":
+    spelled = (SI_ANGULAR if default else SI_LINEAR)[quantity].si
+    if default == "counts" and quantity == "displacement":
         spelled = "counts"
-    elif quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
+    elif quantity in DEGREES and default in ("deg", "\N{DEGREE SIGN}"):
         spelled = DEGREES[quantity]
     were = "were" if spelled == "counts" else "was"
     notes.append(

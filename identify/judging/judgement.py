@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from identify.curves.confirm import Curves
 from identify.effects.effect import Effect
-from identify.evidence import Evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.model_error import motion_percent, removed_percent
@@ -81,7 +80,7 @@ def _judged(
     | the model, and nothing that makes sense is claimed | nothing is missing | the same |
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
-    | several effects together | the same; else as none | not asked: two follow any guess |
+    | several effects together | they are named, if each passes `weighed` | not asked: two follow any guess |
     | none | the best claim is named, if it passes `weighed`, or one with a walk; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
@@ -90,29 +89,36 @@ def _judged(
     if best is None:
         return by_curves(baseline, ranked, curves, baseline.fit)
     reached = baseline.adequate(best.fit)
-    decided: tuple[Evidence, ...] = ()
-    named = Judgement(verdict_of(best), ranked, best.fit) if best.plausible else None
-    if not baseline.floor_is_sure:
-        if reached and named is not None:
-            return at_a_guess(baseline, named, curves)
-    else:
-        several = None if reached else several_effects(baseline, ranked, library)
-        named = named if several is None else _of_several(baseline, ranked, several)
-        kept = None if named is None else weighed(baseline, named)
-        stands = kept is not None and kept.stands
-        if kept is None or not stands or kept.walk is not None:
-            drifting = named_with_walk(
-                baseline, ranked
-            )  # of a rig that drifts one effect is named before several
-            kept, stands = drifting or kept, stands or drifting is not None
-        if kept is not None and stands:
-            return kept
-        decided = () if kept is None else kept.decided
+    if not baseline.floor_is_sure and reached and best.plausible:
+        return at_a_guess(baseline, Judgement(verdict_of(best), ranked, best.fit), curves)
+    kept = _at_a_sure_floor(baseline, ranked, library) if baseline.floor_is_sure else None
+    if kept is not None and kept.stands:
+        return kept
+    decided = () if kept is None else kept.decided
     if not reached:
         return replace(by_curves(baseline, ranked, curves, best.fit), decided=decided)
     shape = free_form(baseline, baseline.fit)
     final = baseline.fit if best.plausible else best.fit
     return Judgement("unknown_effect", ranked, final, shape=shape, decided=decided)
+
+
+def _at_a_sure_floor(
+    baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> Judgement | None:
+    """Weigh the best claim, or several effects if it does not reach the floor; None where neither makes sense.
+
+    Of a rig that drifts one effect is named before several.
+    """
+    best = ranked[0]
+    several = None if baseline.adequate(best.fit) else several_effects(baseline, ranked, library)
+    kept = None
+    if several is not None:
+        kept = weighed(baseline, _of_several(baseline, ranked, several))
+    elif best.plausible:
+        kept = weighed(baseline, Judgement(verdict_of(best), ranked, best.fit))
+    if kept is not None and kept.stands and kept.walk is None:
+        return kept
+    return named_with_walk(baseline, ranked) or kept
 
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:

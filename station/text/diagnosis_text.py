@@ -116,16 +116,17 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 def evidence(decided: DecidedDocument) -> Table:
     """Make the table of what was weighed, and how far each is behind the first (nats); the caption says what was decided."""
-    laws = sorted(decided.nats.items(), key=lambda one: -(one[1] or 0.0))[:MOST_SUSPECTS]
-    first = max((*(nats or 0.0 for _, nats in laws), decided.unnamed or 0.0))
+    weighed = {plain_name(name): nats for name, nats in decided.nats.items()} | {NO_NAME: decided.unnamed}
+    ranked = sorted(
+        ((name, nats) for name, nats in weighed.items() if nats is not None), key=lambda one: -one[1]
+    )
     rows = [
-        (plain_name(name), three_figures(nats), three_figures(first - (nats or 0.0))) for name, nats in laws
+        (name, three_figures(nats), three_figures(ranked[0][1] - nats))
+        for name, nats in ranked[:MOST_SUSPECTS]
     ]
-    if decided.unnamed is not None:
-        rows.append((NO_NAME, three_figures(decided.unnamed), three_figures(first - decided.unnamed)))
     if decided.beside is not None:
         rows.append((BESIDE, three_figures(decided.beside), ""))
-    of = f" of {rows[0][0]}" if len(laws) == 1 else ""
+    of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
     caption = f"Evidence{of} beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
     return Table(caption, ("law", "nats", "behind the first"), tuple(rows))
 
