@@ -25,7 +25,7 @@ TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
-NO_NAME, BESIDE = "a law without a name, in their place", "a law without a name, beside the first"
+NO_NAME, BESIDE = "a law without a name instead", "a law without a name beside the first"
 DECIDED = {
     "named": "it has a name",
     "nothing": "no law with a name is better than such a drift",
@@ -128,7 +128,7 @@ def evidence(decided: DecidedDocument) -> Table:
         rows.append((BESIDE, three_figures(decided.beside), ""))
     of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
     caption = f"Evidence{of} beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
-    return Table(caption, ("law", "nats", "behind the first"), tuple(rows))
+    return Table(caption, ("law", "nats", "nats behind the first"), tuple(rows))
 
 
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
