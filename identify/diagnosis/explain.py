@@ -62,7 +62,9 @@ def explain(
     if verdict == "unknown_effect" or top is None:
         return _unknown(baseline, judgement, suspects)
     if top.confirmed is not None and confirmation is not None:
-        return explain_confirmed(suspects, confirmation)
+        return explain_confirmed(
+            tuple(s for s in suspects if s is top or s.effect.name in together), confirmation
+        )
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, judgement, settled)

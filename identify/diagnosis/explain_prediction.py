@@ -15,7 +15,7 @@ _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
 
 def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str:
-    """Explain which effects are missing, what they predict, and what has no name."""
+    """Explain which effects are missing, what they predict, and what has no name; `suspects` are those that are named."""
     sentences = []
     for suspect in suspects:
         effect = suspect.confirmed
@@ -28,7 +28,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
             f"{three_figures(effect.after)} % of the motion. The odds against a drift of the rig, or a law without a name, "
             f"are {odds_words(effect.nats)}{alike}."
         )
-    return " ".join([*sentences, _prediction(found), *_undecided(found)])
+    predicted = [_prediction(found)] * (len(sentences) == len(found.effects))
+    return " ".join([*sentences, *predicted, *_undecided(found)])
 
 
 def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:

@@ -232,7 +232,7 @@ def line_beside(
         return None
     if _is_steady_force(ranked[0]) and baseline.adequate(ranked[0].fit):
         return None
-    lines = tuple(e for e in library if e.line and e.kind == "sensor" and e.name not in baseline.fit.model)
+    lines = tuple(e for e in library if e.line and e.name not in baseline.fit.model)
     line = _line_behind(replace(baseline, fit=force.fit), lines)
     if line is None:
         return None
@@ -246,9 +246,12 @@ def line_beside(
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | None:
-    """Find a sensor's line in the residual of a fit; None where none stands clear of the spectrum around it and lasts."""
+    """Find a sensor's line in the residual of a fit; None where none stands clear of the spectrum around it and lasts.
+
+    None, too, where both channels show it, as shaking is shown.
+    """
     found = next((c for c in singles(behind, lines) if c.plausible), None)
-    if found is None:
+    if found is None or found.term.is_force:
         return None
     values = found.fit.of(found.term, 0)
     line = values[next(p.name for p in found.term.effect.parameters if p.unit == "Hz")].value

@@ -127,6 +127,7 @@ def evidence(decided: DecidedDocument) -> Table:
     if decided.beside is not None:
         rows.append((BESIDE, three_figures(decided.beside), ""))
     of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
+    of = f" in the curve of {decided.explains}" if decided.explains else of
     caption = f"Evidence{of} beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
     return Table(caption, ("law", "nats", "nats behind the first"), tuple(rows))
 

@@ -158,3 +158,13 @@ def test_a_law_that_reaches_a_guessed_floor_must_also_beat_a_random_walk_and_a_s
     assert found.suspects[0].claimed
     assert found.baseline.adequate(found.suspects[0].fit)
     assert found.named == ()
+
+
+@pytest.mark.parametrize("seed", [901, 904])
+def test_shaking_beside_a_force_is_no_hum_of_a_sensor(seed: int):
+    """Both channels show it, at the amplitude that its acceleration has at 30 Hz; the rest is not there to compare."""
+    hidden = {"harmonic_forcing": {"f": 30.0}}
+    sample = draw("cubic_stiffness+harmonic_forcing", (0.03, 0.01), seed, parameters=hidden)
+    found = diagnose(FreeDecay(sample.rate, sample.displacement[300:], sample.acceleration[300:]))
+    assert not found.baseline.floor_is_sure
+    assert found.named == ("cubic_stiffness",)
