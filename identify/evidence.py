@@ -62,6 +62,7 @@ def decide(
     unnamed: float = -np.inf,
     beside: float = -np.inf,
     drift_weighed: bool = False,
+    alpha: float = DOUBT,
 ) -> Evidence:
     """Decide what the evidence for several laws names: the one table of verdicts.
 
@@ -72,7 +73,7 @@ def decide(
 
     | probability | verdict |
     |---|---|
-    | of none above DOUBT | nothing |
+    | of none above `alpha` | nothing |
     | of a law without a name in their place above DOUBT, or of none beside the leader below DOUBT | no name |
     | of the laws of time above DOUBT, if it is a law | may drift |
     | of any MOST_ALIKE laws below 1 - DOUBT | too many |
@@ -86,7 +87,7 @@ def decide(
     def decided(verdict: Decided, names: tuple[str, ...] = ()) -> Evidence:
         return Evidence(dict(nats), verdict, names, unnamed=unnamed, beside=beside)
 
-    if nothing(tuple(nats.values())) > DOUBT:
+    if nothing(tuple(nats.values())) > alpha:
         return decided("nothing")
     most = max(*nats.values(), unnamed)
     weight = {name: float(np.exp(nats[name] - most)) for name in order}

@@ -18,7 +18,7 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.effects.effect import Effect
-from identify.evidence import Evidence, decide, evidence
+from identify.evidence import Evidence, decide, evidence, price
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import fit
 from identify.fitting.problem import Problem
@@ -26,7 +26,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate
 from identify.judging.verdict import Judgement, verdict_of
-from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import DOUBT, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -101,11 +101,12 @@ def weigh(
     effects: dict[str, Effect],
     last: RandomWalk,
     unit: float = 1.0,
+    alpha: float = DOUBT,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `unit` is the unit of chi-square in which `nats` were counted.
+    as much. `unit` is the unit of chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
@@ -114,6 +115,7 @@ def weigh(
         unnamed=smooth_law_beside(before) / unit,
         beside=smooth_law_beside(last) / unit,
         drift_weighed=True,
+        alpha=alpha,
     )
 
 
@@ -129,13 +131,16 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
-        decided = [weigh(baseline.walk, {one.name: one.evidence for one in near}, effects, last, unit)]
+        nats = {one.name: one.evidence for one in near}
+        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline.alpha)]
     else:
         decided = []
         for effect in added:
             less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
-            nats = {effect.name: evidence(less, final, baseline.scales)}
-            decided.append(weigh(walk_beside(less), nats, {effect.name: effect}, last))
+            before = walk_beside(less)
+            gain = 0.5 * (before.without - last.without)
+            nats = {effect.name: gain - price(less, final, baseline.scales)}
+            decided.append(weigh(before, nats, {effect.name: effect}, last, alpha=baseline.alpha))
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
     if walk is not None and not baseline.adequate(final):
         decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]

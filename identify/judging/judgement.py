@@ -16,7 +16,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.several_effects import Several, several_effects
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import Candidate, score_candidate
+from identify.judging.suspects import Candidate, score_candidate, try_terms
 from identify.judging.verdict import Judgement, verdict_of
 
 
@@ -80,7 +80,7 @@ def _judged(
     | the model, and nothing that makes sense is claimed | nothing is missing | the same |
     | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
     | the best claim, with other values | no name | the same |
-    | several effects together | they are named, if each passes `weighed` | not asked: two follow any guess |
+    | several effects together | they are named, if each passes `weighed` | the same; else `by_curves` |
     | none | the best claim is named, if it passes `weighed`, or one with a walk; else `by_curves` | `by_curves` |
     """
     best = ranked[0] if ranked and ranked[0].claimed else None
@@ -88,15 +88,19 @@ def _judged(
         return Judgement("nothing_missing", ranked, baseline.fit)
     if best is None:
         return by_curves(baseline, ranked, curves, baseline.fit)
-    reached = baseline.adequate(best.fit)
-    if not baseline.floor_is_sure and reached and best.plausible:
+    reached, kept = baseline.adequate(best.fit), None
+    if baseline.floor_is_sure:
+        kept = _at_a_sure_floor(baseline, ranked, library)
+    elif reached and best.plausible:
         return at_a_guess(baseline, Judgement(verdict_of(best), ranked, best.fit), curves)
-    kept = _at_a_sure_floor(baseline, ranked, library) if baseline.floor_is_sure else None
+    elif not reached and curves.driven is None:
+        kept = _together(baseline, ranked, library)
     if kept is not None and kept.stands:
         return kept
     decided = () if kept is None else kept.decided
     if not reached:
-        return replace(by_curves(baseline, ranked, curves, best.fit), decided=decided)
+        found = by_curves(baseline, ranked, curves, best.fit)
+        return found if found.verdict == "missing_effect" else replace(found, decided=decided)
     shape = free_form(baseline, baseline.fit)
     final = baseline.fit if best.plausible else best.fit
     return Judgement("unknown_effect", ranked, final, shape=shape, decided=decided)
@@ -110,22 +114,32 @@ def _at_a_sure_floor(
     Of a rig that drifts one effect is named before several.
     """
     best = ranked[0]
-    several = None if baseline.adequate(best.fit) else several_effects(baseline, ranked, library)
-    kept = None
-    if several is not None:
-        kept = weighed(baseline, _of_several(baseline, ranked, several))
-    elif best.plausible:
+    kept = None if baseline.adequate(best.fit) else _together(baseline, ranked, library)
+    if kept is None and best.plausible:
         kept = weighed(baseline, Judgement(verdict_of(best), ranked, best.fit))
     if kept is not None and kept.stands and kept.walk is None:
         return kept
     return named_with_walk(baseline, ranked) or kept
 
 
+def _together(
+    baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> Judgement | None:
+    """Weigh several effects that together reach the floor; None where none do."""
+    several = several_effects(baseline, ranked, library)
+    return None if several is None else weighed(baseline, _of_several(baseline, ranked, several))
+
+
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
-    """Name several effects, the one that is best alone first; a law of a family was not tried alone."""
-    if not any(entry.name in found.names for entry in ranked):
-        law = score_candidate(found.fit, baseline.fit, found.terms[0], baseline.scales)
-        ranked = rank(baseline, (law, *ranked))
+    """Name several effects, the one that is best alone first; what was not tried alone is tried now."""
+    known = {entry.name for entry in ranked}
+    terms = tuple(term for term in found.terms if term.effect.name not in known)
+    if len(found.terms) == 1:
+        alone = tuple(score_candidate(found.fit, baseline.fit, term, baseline.scales) for term in terms)
+    else:
+        alone = try_terms(baseline.decays, baseline.fit, terms)
+    if alone:
+        ranked = rank(baseline, (*alone, *ranked))
     ranked = tuple(replace(entry, claimed=entry.claimed or entry.name in found.names) for entry in ranked)
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
