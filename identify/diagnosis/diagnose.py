@@ -40,7 +40,7 @@ from identify.judging.suspect import Suspect
 from identify.judging.suspects import candidate_terms, singles
 from identify.judging.verdict import HEADLINES, Judgement, Verdict, may_hide_anything, too_few_cycles
 from identify.model.model import Model, base_model
-from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide, with_rivals
+from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide
 from identify.planning.next_release import Limits, NextRelease, next_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
@@ -250,8 +250,8 @@ def diagnose(
     )
     warned = caution(baseline, judgement, suspects[0] if named else None, settled)
     walk = None if named else judgement.walk
-    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk)
-    suspects = with_rivals(suspects, named, hypotheses)
+    places = judgement.places if named else ()
+    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk, places)
     said = (
         explain(baseline, judgement, suspects, findings, settled),
         warned,

@@ -18,13 +18,12 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.effects.effect import Effect
-from identify.evidence import Evidence, decide, evidence, price
+from identify.evidence import Evidence, decide, evidence
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import fit
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
 from identify.judging.ranking import at_rest
-from identify.judging.suspects import Candidate
+from identify.judging.suspects import Candidate, Place
 from identify.judging.verdict import Judgement, verdict_of
 from identify.priors import DOUBT, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
@@ -125,26 +124,29 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     It gets the walk that remains beside it.
     """
     final = judged.final
-    added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
     last, unit = walk_beside(final), 1.0
-    if len(added) == 1:
+    if judged.places:
+        decided = [_weighed_in_place(baseline, place, last) for place in judged.places]
+    else:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
         decided = [weigh(baseline.walk, nats, effects, last, unit, baseline.alpha)]
-    else:
-        decided = []
-        for effect in added:
-            less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
-            before = walk_beside(less)
-            gain = 0.5 * (before.without - last.without)
-            nats = {effect.name: gain - price(less, final, baseline.scales)}
-            decided.append(weigh(before, nats, {effect.name: effect}, last, alpha=baseline.alpha))
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
     if walk is not None and not baseline.adequate(final):
         decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
     return replace(judged, decided=tuple(decided), walk=walk)
+
+
+def _weighed_in_place(baseline: Baseline, place: Place, last: RandomWalk) -> Evidence:
+    """Weigh one of several effects against what may stand in its place, beside the others."""
+    before, own = walk_beside(place.without), place.tried[0]
+    # Far from the readings a fit knows its chi-square less well than the walk, which is linearised there.
+    more = 0.5 * (before.without - last.without - (place.without.chi_square - own.fit.chi_square))
+    near = [one for one in place.tried if one is own or (one.plausible and baseline.adequate(one.fit))]
+    effects = {one.name: one.term.effect for one in near}
+    return weigh(before, {one.name: one.evidence + more for one in near}, effects, last, alpha=baseline.alpha)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:

@@ -144,7 +144,7 @@ def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Severa
     first = next(entry for entry in ranked if entry.name in found.names)
     rest = tuple(entry for entry in ranked if entry is not first)
     others = tuple(name for name in found.names if name != first.name)
-    return Judgement(verdict_of(first), (first, *rest), found.fit, others)
+    return Judgement(verdict_of(first), (first, *rest), found.fit, others, places=found.places)
 
 
 def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
@@ -162,10 +162,10 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     found = candidate.name in judgement.final.model
     told = judgement.confirmation.effects if judgement.confirmation is not None else ()
     confirmed = next((effect for effect in told if effect.name == candidate.name), None)
-    alike = (*judgement.alike(candidate.name), *rivals_of(candidate, judgement.ranked))
+    alike = judgement.alike(candidate.name)
+    if is_final or not found:  # what is as good alone was not tried beside others
+        alike = (*alike, *rivals_of(candidate, judgement.ranked))
     rivals = tuple(dict.fromkeys(alike)) if confirmed is None else confirmed.rivals
-    if found and not is_final and confirmed is None:
-        rivals = ()  # what is as good alone was not tried beside the others
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,

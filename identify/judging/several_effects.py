@@ -19,9 +19,11 @@ from identify.judging.ranking import at_rest
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
     Candidate,
+    Place,
     candidate_terms,
     is_plausible,
     laws_of_families,
+    score_candidate,
     try_terms,
 )
 from identify.model.model import Term
@@ -32,6 +34,9 @@ _CYCLES = 30.0
 
 _BEAM = 3
 """Of the best single candidates so many get a second effect beside them."""
+
+_INSTEAD = 2
+"""Effects that are tried in the place of one of several, by what it may be mistaken for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +88,11 @@ class FewReleases:
 
 @dataclass(frozen=True, eq=False)
 class Several:
-    """The effects that together reach the floor, and the fit with them."""
+    """The effects that together reach the floor, the fit with them, and the `places` of two or more."""
 
     fit: Fit
     terms: tuple[Term, ...]
+    places: tuple[Place, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -106,8 +112,35 @@ def several_effects(
         if few.baseline.adequate(several.fit) and _makes_sense(few.baseline, several):
             whole = few.on_all(several.fit)
             if baseline.adequate(whole):
-                return replace(several, fit=whole)
+                return _with_places(baseline, replace(several, fit=whole), library)
     return None
+
+
+def _with_places(baseline: Baseline, found: Several, library: tuple[Effect, ...]) -> Several:
+    """Try what each of several effects may be mistaken for in its place; what is clearly better takes it."""
+    if len(found.terms) == 1:
+        return found
+    places = tuple(_place(baseline, found.fit, term, library) for term in found.terms)
+    for place in places:
+        own, *others = place.tried
+        best = max(others, key=lambda one: one.evidence, default=own)
+        if best.evidence > own.evidence + RIVALS_WITHIN and best.plausible and baseline.adequate(best.fit):
+            terms = tuple(best.term if term is own.term else term for term in found.terms)
+            return _with_places(baseline, Several(best.fit, terms), library)
+    return replace(found, places=places)
+
+
+def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ...]) -> Place:
+    own = term.effect
+    known = {effect.name: effect for effect in library if effect.name not in found.model}
+    others = [known[name] for name in own.confusable_with if name in known][:_INSTEAD]
+    less = fit(found.model.minus(own.name), found.windows, found.point, found.frequency)
+    terms = candidate_terms(less.model, others, less.windows[0])
+    tried = (score_candidate(found, less, term, baseline.scales), *try_terms(baseline.decays, less, terms))
+    rest = (at_rest(baseline.decays, one.fit, one.term) for one in tried)
+    return Place(
+        less, tuple(replace(one, evidence=one.evidence + e) for one, e in zip(tried, rest, strict=True))
+    )
 
 
 def _in_order(
@@ -167,7 +200,11 @@ def _beside_the_best(
     """
     baseline = few.baseline
     paired = baseline.decays[0].window.paired
-    leaders = [one for one in tried if one.plausible and (paired or not (one.term.effect.of_time or one.term.effect.line))]
+    leaders = [
+        one
+        for one in tried
+        if one.plausible and (paired or not (one.term.effect.of_time or one.term.effect.line))
+    ]
     for first in leaders[:_BEAM] if paired else leaders[:2]:
         alone = few.on_few(first.fit)
         terms = candidate_terms(alone.model, library, alone.windows[0])

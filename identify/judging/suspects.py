@@ -43,6 +43,17 @@ class Candidate:
         return self.term.effect.name
 
 
+@dataclass(frozen=True, eq=False)
+class Place:
+    """The place of one of several effects beside the others: the fit `without` it, and what is `tried` there.
+
+    The effect itself comes first, then what it may be mistaken for, each with its evidence against that fit.
+    """
+
+    without: Fit
+    tried: tuple[Candidate, ...]
+
+
 def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
     """List every effect and variant that the model lacks and that the channels of a window can show.
 

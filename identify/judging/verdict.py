@@ -14,7 +14,7 @@ from identify.fitting.model_error import motion_percent
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import three_figures
 from identify.judging.nonparametric_force import NonparametricForce
-from identify.judging.suspects import Candidate
+from identify.judging.suspects import Candidate, Place
 from identify.priors import FEWEST_CYCLES, HARDLY_KNOWN, LARGE
 
 Verdict = Literal[
@@ -47,7 +47,8 @@ class Judgement:
     curves predict, None where they were not asked; `driven` the curve of a motion that does not die away. `too_small` is
     what was removed, in % of the motion, by what is sure and too small to be named; 0 where that is not so. `walk` is a
     random walk of spring and damper that remains beside the name or, without one, explains all of the misfit; else None.
-    `decided` is what the table weighed and decided, for each of several effects its own.
+    `decided` is what the table weighed and decided, for each of several effects its own, and `places` are what was tried in
+    the place of each of these.
     """
 
     verdict: Verdict
@@ -60,6 +61,7 @@ class Judgement:
     too_small: float = 0.0
     walk: RandomWalk | None = None
     decided: tuple[Evidence, ...] = ()
+    places: tuple[Place, ...] = ()
 
     @property
     def stands(self) -> bool:

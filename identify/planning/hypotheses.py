@@ -17,16 +17,13 @@ from identify.formatting import among, plain_name
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.ranking import at_rest, chi_square_unit
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import candidate_terms, laws_of_families, try_terms
+from identify.judging.suspects import Place, candidate_terms, laws_of_families, try_terms
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import RIVALS_WITHIN
 
 _SUSPECTS = 4
-_SWAPS = 2
-"""Effects that one of several is exchanged for, by what it may be mistaken for."""
-
 _FREE_FORM = 24
 """Numbers that a law without a name takes: the knots of its spline over the displacement."""
 
@@ -77,11 +74,13 @@ def hypotheses_of(
     final: Fit,
     shape: NonparametricForce | None = None,
     walk: RandomWalk | None = None,
+    places: Sequence[Place] = (),
 ) -> tuple[Hypothesis, ...]:
     """List the hypotheses, the likeliest first, with the evidence that ranks them (`marginal_likelihood`).
 
-    `named` is what the verdict names, fitted in `final`. Where nothing is claimed they are forces that another amplitude
-    may show: the closest ones, and those for which a detection limit is stated.
+    `named` is what the verdict names, fitted in `final`; `places` say what was tried in the place of each of several.
+    Where nothing is claimed they are forces that another amplitude may show: the closest ones, and those for which a
+    detection limit is stated.
     """
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
@@ -108,7 +107,7 @@ def hypotheses_of(
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if one_name else ()
     laws = laws_of_families(baseline, [suspect.effect.name for suspect in near])
     between = [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
-    for one in (*_swapped(baseline, suspects, named, final), *between):
+    for one in (*_exchanged(named, places), *between):
         found.setdefault(one.names, one)
     unit = chi_square_unit(baseline, [one.fit for one in found.values() if one.names])
     none = float(np.log(max(len(suspects), 1)))  # to begin with as probable as all suspects together
@@ -149,20 +148,6 @@ def _agreeing(
     return weighed
 
 
-def with_rivals(
-    suspects: tuple[Suspect, ...], named: Sequence[str], hypotheses: Sequence[Hypothesis]
-) -> tuple[Suspect, ...]:
-    """Give each of several named suspects its rivals: the effects not distinguishable in its place."""
-    if len(named) < 2:
-        return suspects
-    near = [one.names for one in hypotheses if hypotheses[0].log_odds - one.log_odds < RIVALS_WITHIN]
-    rivals = {
-        name: tuple(names[place] for names in near if len(names) == len(named) and names[place] != name)
-        for place, name in enumerate(named)
-    }
-    return tuple(replace(one, rivals=one.rivals or rivals.get(one.effect.name, ())) for one in suspects)
-
-
 def _log_odds(one: Hypothesis, base: Fit, scales: Scales, unit: float) -> float:
     """Return the evidence (nats) of a hypothesis against the `base` without its effects, in a `unit` of chi-square."""
     gain = 0.5 * (base.chi_square - one.fit.chi_square) / unit
@@ -181,22 +166,13 @@ def _at_rest(baseline: Baseline, found: Fit) -> float:
     return sum(at_rest(baseline.decays, found, term) for term in added)
 
 
-def _swapped(
-    baseline: Baseline, suspects: Sequence[Suspect], named: Sequence[str], final: Fit
-) -> list[Hypothesis]:
+def _exchanged(named: Sequence[str], places: Sequence[Place]) -> list[Hypothesis]:
     """List the named sets with one of several effects exchanged for one that it may be mistaken for."""
-    if len(named) < 2 or not baseline.floor_is_sure:
-        return []
-    found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
-    for name in [one for one in named if one in final.model]:
-        own = next(term.effect for term in final.model.terms if term.effect.name == name)
-        others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
-        if others:
-            less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
-            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS])):
-                names = tuple(one.name if n == name else n for n in named)
-                found.append(Hypothesis(names, one.fit, 0.0))
-    return found
+    return [
+        Hypothesis(tuple(one.name if name == own.name else name for name in named), one.fit, 0.0)
+        for own, *others in (place.tried for place in places)
+        for one in others
+    ]
 
 
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
