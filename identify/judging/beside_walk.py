@@ -124,8 +124,9 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     It gets the walk that remains beside it.
     """
     final = judged.final
-    last, unit = walk_beside(final), 1.0
+    last = walk_beside(final)
     if judged.places:
+        unit = judged.places[0].tried[0].unit
         decided = [_weighed_in_place(baseline, place, last) for place in judged.places]
     else:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
@@ -143,10 +144,11 @@ def _weighed_in_place(baseline: Baseline, place: Place, last: RandomWalk) -> Evi
     """Weigh one of several effects against what may stand in its place, beside the others."""
     before, own = walk_beside(place.without), place.tried[0]
     # Far from the readings a fit knows its chi-square less well than the walk, which is linearised there.
-    more = 0.5 * (before.without - last.without - (place.without.chi_square - own.fit.chi_square))
+    known = place.without.chi_square - own.fit.chi_square
+    more = 0.5 * (before.without - last.without - known) / own.unit
     near = [one for one in place.tried if one is own or (one.plausible and baseline.adequate(one.fit))]
-    effects = {one.name: one.term.effect for one in near}
-    return weigh(before, {one.name: one.evidence + more for one in near}, effects, last, alpha=baseline.alpha)
+    nats = {one.name: one.evidence + more for one in near}
+    return weigh(before, nats, {one.name: one.term.effect for one in near}, last, own.unit, baseline.alpha)
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:

@@ -36,16 +36,18 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     A candidate is claimed where it is improbable that nothing is missing, if it is better than nothing by as much.
     """
     unit = chi_square_unit(baseline, [c.fit for c in tried if c.plausible])
-    nats = [
-        evidence(baseline.fit, c.fit, baseline.scales, unit) + at_rest(baseline.decays, c.fit, c.term)
-        for c in tried
-    ]
-    sure = nothing(nats) < baseline.alpha
-    ranked = (
-        replace(c, evidence=n, unit=unit, claimed=sure and n > -np.log(baseline.alpha))
-        for c, n in zip(tried, nats, strict=True)
-    )
+    weighed = [weigh_candidate(baseline, baseline.fit, candidate, unit) for candidate in tried]
+    sure = nothing([one.evidence for one in weighed]) < baseline.alpha
+    ranked = (replace(one, claimed=sure and one.evidence > -np.log(baseline.alpha)) for one in weighed)
     return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+
+
+def weigh_candidate(baseline: Baseline, without: Fit, candidate: Candidate, unit: float) -> Candidate:
+    """Weigh a candidate against the fit `without` it in a `unit` of chi-square, with what the rest says of it."""
+    nats = evidence(without, candidate.fit, baseline.scales, unit)
+    return replace(
+        candidate, evidence=nats + at_rest(baseline.decays, candidate.fit, candidate.term), unit=unit
+    )
 
 
 def _line_of_sensor_first(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

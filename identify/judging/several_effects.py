@@ -15,7 +15,7 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.segments import first_cycles
 from identify.judging.linear_gain import states_of_term, with_fault
-from identify.judging.ranking import at_rest
+from identify.judging.ranking import at_rest, chi_square_unit, weigh_candidate
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
     Candidate,
@@ -116,17 +116,25 @@ def several_effects(
     return None
 
 
-def _with_places(baseline: Baseline, found: Several, library: tuple[Effect, ...]) -> Several:
-    """Try what each of several effects may be mistaken for in its place; what is clearly better takes it."""
+def _with_places(
+    baseline: Baseline, found: Several, library: tuple[Effect, ...], seen: tuple[set[str], ...] = ()
+) -> Several:
+    """Try what each of several effects may be mistaken for in its place; what is more probable takes it."""
     if len(found.terms) == 1:
         return found
     places = tuple(_place(baseline, found.fit, term, library) for term in found.terms)
     for place in places:
         own, *others = place.tried
-        best = max(others, key=lambda one: one.evidence, default=own)
-        if best.evidence > own.evidence + RIVALS_WITHIN and best.plausible and baseline.adequate(best.fit):
-            terms = tuple(best.term if term is own.term else term for term in found.terms)
-            return _with_places(baseline, Several(best.fit, terms), library)
+        best = max(place.tried, key=lambda one: one.evidence)
+        terms = tuple(best.term if term is own.term else term for term in found.terms)
+        exchanged = Several(best.fit, terms)
+        if (
+            best in others
+            and best.plausible
+            and baseline.adequate(best.fit)
+            and set(exchanged.names) not in seen
+        ):
+            return _with_places(baseline, exchanged, library, (*seen, set(found.names)))
     return replace(found, places=places)
 
 
@@ -137,10 +145,8 @@ def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ..
     less = fit(found.model.minus(own.name), found.windows, found.point, found.frequency)
     terms = candidate_terms(less.model, others, less.windows[0])
     tried = (score_candidate(found, less, term, baseline.scales), *try_terms(baseline.decays, less, terms))
-    rest = (at_rest(baseline.decays, one.fit, one.term) for one in tried)
-    return Place(
-        less, tuple(replace(one, evidence=one.evidence + e) for one, e in zip(tried, rest, strict=True))
-    )
+    unit = chi_square_unit(baseline, (found,))
+    return Place(less, tuple(weigh_candidate(baseline, less, one, unit) for one in tried))
 
 
 def _in_order(
