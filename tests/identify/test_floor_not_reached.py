@@ -167,4 +167,36 @@ def test_shaking_beside_a_force_is_no_hum_of_a_sensor(seed: int):
     sample = draw("cubic_stiffness+harmonic_forcing", (0.03, 0.01), seed, parameters=hidden)
     found = diagnose(FreeDecay(sample.rate, sample.displacement[300:], sample.acceleration[300:]))
     assert not found.baseline.floor_is_sure
-    assert found.named == ("cubic_stiffness",)
+    assert found.named[0] == "cubic_stiffness"
+    assert "mains_hum" not in found.named
+    if seed == 901:  # where it is clear enough
+        assert found.named == ("cubic_stiffness", "harmonic_forcing")
+
+
+PAIRS = [
+    ("end_stop", "position_dependent_damping", 7),
+    ("quadratic_damping", "position_dependent_damping", 8),
+    ("cubic_stiffness", "quadratic_damping", 9),
+    ("freeplay", "position_dependent_damping", 10),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "seed"), PAIRS)
+def test_two_forces_in_one_channel_are_named_with_their_values(first: str, second: str, seed: int):
+    """One of them alone leaves many times the noise, and has a wrong value or a wrong name."""
+    sample = draw(f"{first}+{second}", (0.08, 0.04), seed, seconds=10.0)
+    found = diagnose(FreeDecay(sample.rate, displacement=sample.displacement))
+    assert not found.baseline.floor_is_sure
+    assert set(found.named) == {first, second}
+    assert found.baseline.adequate(found.final)
+    assert min(one.fit.reduced for one in found.suspects if one.effect.name in found.named) > 5.0
+    for one in found.named_suspects:
+        strength = one.effect.strength.name
+        truth, estimate = sample.truth["parameters"][one.effect.name][strength], one.parameters[strength]
+        assert abs(estimate.value - truth) < 5.0 * estimate.std
+
+
+def test_a_law_between_the_names_in_one_channel_has_its_exponent():
+    sample = draw("power_law_damping", 0.05, 11, seconds=10.0)
+    found = diagnose(FreeDecay(sample.rate, displacement=sample.displacement))
+    assert found.named == ("power_law_damping",)
