@@ -35,6 +35,9 @@ _CYCLES = 30.0
 _BEAM = 3
 """Of the best single candidates so many get a second effect beside them."""
 
+_BEAM_OF_ONE = 2
+"""The same with one channel, where trying all effects beside one costs as much as trying them alone."""
+
 _INSTEAD = 2
 """Effects that are tried in the place of one of several, by what it may be mistaken for."""
 
@@ -206,12 +209,8 @@ def _beside_the_best(
     """
     baseline = few.baseline
     paired = baseline.decays[0].window.paired
-    leaders = [
-        one
-        for one in tried
-        if one.plausible and (paired or not (one.term.effect.of_time or one.term.effect.line))
-    ]
-    for first in leaders[:_BEAM] if paired else leaders[:2]:
+    leaders = [one for one in tried if one.plausible and (paired or not _follows_anything(one))]
+    for first in leaders[: _BEAM if paired else _BEAM_OF_ONE]:
         alone = few.on_few(first.fit)
         terms = candidate_terms(alone.model, library, alone.windows[0])
         if first.term.is_force and paired:
@@ -222,3 +221,8 @@ def _beside_the_best(
         if allowed:
             second = max(allowed, key=lambda one: one.evidence + rest[one])
             yield Several(second.fit, (first.term, second.term))
+
+
+def _follows_anything(candidate: Candidate) -> bool:
+    """Check for a law of time or a line, which follow a part of any misfit."""
+    return candidate.term.effect.of_time or candidate.term.effect.line

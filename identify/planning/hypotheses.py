@@ -172,6 +172,7 @@ def _exchanged(named: Sequence[str], places: Sequence[Place]) -> list[Hypothesis
         Hypothesis(tuple(one.name if name == own.name else name for name in named), one.fit, 0.0)
         for own, *others in (place.tried for place in places)
         for one in others
+        if one.plausible
     ]
 
 
