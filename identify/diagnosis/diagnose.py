@@ -323,7 +323,7 @@ def _searched(
 def _worth_a_fit(baseline: Baseline, library: tuple[Effect, ...], curves: Curves) -> tuple[Effect, ...]:
     """List the effects to simulate and fit: all, or, where curves of a long record confirm something, those they mention.
 
-    Every simulation is slow there, and where the floor is a guess it is not reached.
+    Every simulation is slow there, and a floor that is a guess is seldom reached.
     """
     if baseline.floor_is_sure or not any(window.segment for window in baseline.fit.windows):
         return library

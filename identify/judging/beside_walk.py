@@ -23,7 +23,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
 from identify.judging.ranking import at_rest
-from identify.judging.suspects import Candidate, Place
+from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
 from identify.priors import DOUBT, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
@@ -140,7 +140,7 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     return replace(judged, decided=tuple(decided), walk=walk)
 
 
-def _weighed_in_place(baseline: Baseline, place: Place, last: RandomWalk) -> Evidence:
+def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> Evidence:
     """Weigh one of several effects against what may stand in its place, beside the others."""
     before, own = walk_beside(place.without), place.tried[0]
     # Far from the readings a fit knows its chi-square less well than the walk, which is linearised there.

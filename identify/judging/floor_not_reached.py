@@ -1,9 +1,9 @@
 """The judgement where the noise floor is not reached, or is only a guess.
 
-Chi-square alone names nothing there. An effect is named if it reaches a guessed floor and passes `weighed`; if it predicts
-what it was not fitted to, and the free run agrees with its strength; or one force whose simulation leaves almost no
-residual, where the curves cannot decide. A strength that no curve measures must be clear of none, but for a second
-oscillator where the amplitude beats.
+Chi-square alone names nothing there. An effect is named if it reaches a guessed floor and passes `weighed`, alone or, in
+`judgement`, with others; if it predicts what it was not fitted to, and the free run agrees with its strength; or one force
+whose simulation leaves almost no residual, where the curves cannot decide. A strength that no curve measures must be clear
+of none, but for a second oscillator where the amplitude beats.
 
 A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 

@@ -29,8 +29,8 @@ def judge(
 ) -> Judgement:
     """Decide the verdict: nothing is missing, one effect reaches the floor, several do together, or no name does.
 
-    Where the floor could only be guessed, chi-square names nothing: what the `curves` of the decay confirm decides. There
-    the fit also allows for a sensor's line beside a force.
+    Where the floor could only be guessed and nothing reaches it, what the `curves` of the decay confirm decides. There the
+    fit also allows for a sensor's line beside a force.
     """
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
@@ -166,9 +166,13 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     if is_final or not found:  # what is as good alone was not tried beside others
         alike = (*alike, *rivals_of(candidate, judgement.ranked))
     rivals = tuple(dict.fromkeys(alike)) if confirmed is None else confirmed.rivals
+    # Beside others it may be in another variant than alone.
+    term = next(
+        (one for one in judgement.final.model.terms if one.effect.name == candidate.name), candidate.term
+    )
     return Suspect(
         effect=candidate.term.effect,
-        term=candidate.term,
+        term=term,
         error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
         motion_after=motion_percent(settled.fit if is_final else candidate.fit),
         evidence=candidate.evidence,

@@ -19,7 +19,7 @@ from identify.judging.ranking import at_rest, chi_square_unit, weigh_candidate
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
     Candidate,
-    Place,
+    InPlace,
     candidate_terms,
     is_plausible,
     laws_of_families,
@@ -95,7 +95,7 @@ class Several:
 
     fit: Fit
     terms: tuple[Term, ...]
-    places: tuple[Place, ...] = ()
+    places: tuple[InPlace, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,48 +108,57 @@ def several_effects(
 ) -> Several | None:
     """Find the effects that together explain some releases; None where none do. `tried` are single ones, best first.
 
-    On a few of the releases and on all of them they must reach the floor, there with plausible values.
+    On a few of the releases and on all of them they must reach the floor, with plausible values. A floor that is a guess
+    allows a law with a free exponent where two effects are more probable: there both are weighed.
     """
     few = FewReleases.of(baseline)
+    law: Several | None = None
     for several in _in_order(few, tried, library):
-        if few.baseline.adequate(several.fit) and _makes_sense(few.baseline, several):
-            whole = few.on_all(several.fit)
-            if baseline.adequate(whole):
-                return _with_places(baseline, replace(several, fit=whole), library)
-    return None
+        whole = replace(several, fit=few.on_all(several.fit)) if _explains(few.baseline, several) else several
+        if not _explains(baseline, whole):
+            continue
+        if len(whole.terms) > 1 or baseline.floor_is_sure:
+            sets = (whole,) if law is None else (law, whole)
+            best = max(sets, key=lambda one: evidence(baseline.fit, one.fit, baseline.scales))
+            return _with_places(baseline, best, library)
+        law = law or whole
+    return law
 
 
 def _with_places(
     baseline: Baseline, found: Several, library: tuple[Effect, ...], seen: tuple[set[str], ...] = ()
 ) -> Several:
-    """Try what each of several effects may be mistaken for in its place; what is more probable takes it."""
+    """Try what each of several effects may be mistaken for in its place, and nothing; what is more probable takes it."""
     if len(found.terms) == 1:
         return found
-    places = tuple(_place(baseline, found.fit, term, library) for term in found.terms)
-    for place in places:
+    unit = chi_square_unit(baseline, (found.fit,))
+    places = tuple(_place(baseline, found.fit, term, library, unit) for term in found.terms)
+    for i, place in enumerate(places):
+        before, after = found.terms[:i], found.terms[i + 1 :]
         own, *others = place.tried
-        best = max(place.tried, key=lambda one: one.evidence)
-        terms = tuple(best.term if term is own.term else term for term in found.terms)
-        exchanged = Several(best.fit, terms)
-        if (
-            best in others
-            and best.plausible
-            and baseline.adequate(best.fit)
-            and set(exchanged.names) not in seen
-        ):
-            return _with_places(baseline, exchanged, library, (*seen, set(found.names)))
+        instead = [(one.evidence, Several(one.fit, (*before, one.term, *after))) for one in others]
+        instead.append((0.0, Several(place.without, (*before, *after))))
+        better = [
+            (nats, one)
+            for nats, one in instead
+            if nats > own.evidence and set(one.names) not in seen and _explains(baseline, one)
+        ]
+        if better:
+            _, best = max(better, key=lambda one: one[0])
+            return _with_places(baseline, best, library, (*seen, set(found.names)))
     return replace(found, places=places)
 
 
-def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ...]) -> Place:
+def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ...], unit: float) -> InPlace:
     own = term.effect
-    known = {effect.name: effect for effect in library if effect.name not in found.model}
-    others = [known[name] for name in own.confusable_with if name in known][:_INSTEAD]
     less = fit(found.model.minus(own.name), found.windows, found.point, found.frequency)
+    known = {effect.name: effect for effect in library if effect.name not in found.model}
+    others = [known[name] for name in own.confusable_with if name in known]
     terms = candidate_terms(less.model, others, less.windows[0])
+    first = list(dict.fromkeys(one.effect.name for one in terms))[:_INSTEAD]
+    terms = tuple(one for one in terms if one.effect.name in first)
     tried = (score_candidate(found, less, term, baseline.scales), *try_terms(baseline.decays, less, terms))
-    unit = chi_square_unit(baseline, (found,))
-    return Place(less, tuple(weigh_candidate(baseline, less, one, unit) for one in tried))
+    return InPlace(less, tuple(weigh_candidate(baseline, less, one, unit) for one in tried))
 
 
 def _in_order(
@@ -173,9 +182,9 @@ def _in_order(
     yield from _together(baseline, triples)
 
 
-def _makes_sense(baseline: Baseline, several: Several) -> bool:
-    """Check that each of several effects has plausible values, and that the rest before the releases allows it."""
-    return all(
+def _explains(baseline: Baseline, several: Several) -> bool:
+    """Check that a fit reaches the floor, each effect with plausible values and allowed by the rest before the releases."""
+    return baseline.adequate(several.fit) and all(
         is_plausible(several.fit, term, baseline.scales)
         and at_rest(baseline.decays, several.fit, term) > -RIVALS_WITHIN
         for term in several.terms

@@ -44,7 +44,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class InPlace:
     """The place of one of several effects beside the others: the fit `without` it, and what is `tried` there.
 
     The effect itself comes first, then what it may be mistaken for, each with its evidence against that fit.

@@ -14,7 +14,7 @@ from identify.fitting.model_error import motion_percent
 from identify.fitting.random_walk import RandomWalk
 from identify.formatting import three_figures
 from identify.judging.nonparametric_force import NonparametricForce
-from identify.judging.suspects import Candidate, Place
+from identify.judging.suspects import Candidate, InPlace
 from identify.priors import FEWEST_CYCLES, HARDLY_KNOWN, LARGE
 
 Verdict = Literal[
@@ -61,7 +61,7 @@ class Judgement:
     too_small: float = 0.0
     walk: RandomWalk | None = None
     decided: tuple[Evidence, ...] = ()
-    places: tuple[Place, ...] = ()
+    places: tuple[InPlace, ...] = ()
 
     @property
     def stands(self) -> bool:
@@ -70,6 +70,8 @@ class Judgement:
 
     def alike(self, name: str) -> tuple[str, ...]:
         """List what the table names and does not distinguish from an effect."""
+        if not self.stands:
+            return ()
         names = (one.names for one in self.decided if one.verdict == "named" and name in one.names)
         return tuple(other for other in next(names, ()) if other != name)
 

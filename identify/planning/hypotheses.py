@@ -17,7 +17,7 @@ from identify.formatting import among, plain_name
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.ranking import at_rest, chi_square_unit
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import Place, candidate_terms, laws_of_families, try_terms
+from identify.judging.suspects import InPlace, candidate_terms, laws_of_families, try_terms
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -74,7 +74,7 @@ def hypotheses_of(
     final: Fit,
     shape: NonparametricForce | None = None,
     walk: RandomWalk | None = None,
-    places: Sequence[Place] = (),
+    places: Sequence[InPlace] = (),
 ) -> tuple[Hypothesis, ...]:
     """List the hypotheses, the likeliest first, with the evidence that ranks them (`marginal_likelihood`).
 
@@ -102,7 +102,7 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (few and (suspect.plausible or _is_bounded(suspect))):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    # Any law of a family follows a guessed floor.
+    # Where the floor is a guess the verdict has weighed the laws of families.
     one_name = len(named) == 1 and baseline.floor_is_sure
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if one_name else ()
     laws = laws_of_families(baseline, [suspect.effect.name for suspect in near])
@@ -166,7 +166,7 @@ def _at_rest(baseline: Baseline, found: Fit) -> float:
     return sum(at_rest(baseline.decays, found, term) for term in added)
 
 
-def _exchanged(named: Sequence[str], places: Sequence[Place]) -> list[Hypothesis]:
+def _exchanged(named: Sequence[str], places: Sequence[InPlace]) -> list[Hypothesis]:
     """List the named sets with one of several effects exchanged for one that it may be mistaken for."""
     return [
         Hypothesis(tuple(one.name if name == own.name else name for name in named), one.fit, 0.0)
