@@ -147,18 +147,36 @@ def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scale
     starts = (term_starts if term.effect.line else close_starts)(term, scales)
     if not term.is_force or len(starts) < 2:
         return ()
+    starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(slope.residual)) + 1]
+    gains = [0.0, *_gains(decays, slope, term, starts), 0.0]
+    tops = [i for i in range(1, len(gains) - 1) if 0.0 < gains[i] >= max(gains[i - 1], gains[i + 1])]
+    return tuple(starts[i - 1] for i in sorted(tops, key=lambda i: -gains[i]))
+
+
+def promising_forces(
+    decays: tuple[PreparedDecay, ...], base: Fit, terms: tuple[Term, ...], scales: Scales, count: int
+) -> tuple[Term, ...]:
+    """Select the few forces, among some terms, of the largest linear gains beside a fit, the largest first."""
+    slope = Slope.of(base)
+    gains = {
+        term: max(_gains(decays, slope, term, term_starts(term, scales)), default=0.0)
+        for term in terms
+        if term.is_force
+    }
+    return tuple(sorted(gains, key=lambda term: -gains[term])[:count])
+
+
+def _gains(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, starts: Starts) -> list[float]:
+    """Return the linear gain of a force from each of some starts; 0 where its motion is not finite."""
     base, before = slope.base, slope.residual
     problem = Problem(base.model.plus(term), slope.problem.windows, base.frequency, coarse=True)
-    starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
-    misfit, gains = slope.jacobian.free(before), [0.0]
+    misfit, gains = slope.jacobian.free(before), []
     for start in starts:
         moved = [problem.residuals(p) for p in probes(decays, base, problem, term, start)]
         known = bool(moved) and all(np.isfinite(one).all() for one in moved)
         columns = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if known else []
         gains.append(_gain(misfit, slope.jacobian.free(np.column_stack(columns)), term) if columns else 0.0)
-    gains.append(0.0)
-    tops = [i for i in range(1, len(gains) - 1) if 0.0 < gains[i] >= max(gains[i - 1], gains[i + 1])]
-    return tuple(starts[i - 1] for i in sorted(tops, key=lambda i: -gains[i]))
+    return gains
 
 
 def _gain(misfit: Array, columns: Array, term: Term) -> float:

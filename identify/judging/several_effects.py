@@ -10,11 +10,11 @@ from typing import Self
 
 from identify.effects.effect import Effect
 from identify.evidence import evidence
-from identify.fitting.baseline import Baseline
+from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.segments import first_cycles
-from identify.judging.linear_gain import states_of_term, with_fault
+from identify.judging.linear_gain import promising_forces, states_of_term, with_fault
 from identify.judging.ranking import at_rest, chi_square_unit, weigh_candidate
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
@@ -35,8 +35,8 @@ _CYCLES = 30.0
 _BEAM = 3
 """Of the best single candidates so many get a second effect beside them."""
 
-_BEAM_OF_ONE = 2
-"""The same with one channel, where trying all effects beside one costs as much as trying them alone."""
+_FORCES = 4
+"""Forces that are fitted beside one of these where there is one channel, by their linear gain."""
 
 _INSTEAD = 2
 """Effects that are tried in the place of one of several, by what it may be mistaken for."""
@@ -214,16 +214,19 @@ def _beside_the_best(
     """Yield the best single candidates, each with its best partner: a fault beside a force, anything beside a fault.
 
     One channel is differentiated twice for the equation error, which then misses pairs: there a force is tried beside a
-    force, too, and no law of time or line leads, for either follows much of any pair.
+    force, too, of which the linear gain selects a few, and no law of time or line leads: either follows much of any pair.
     """
     baseline = few.baseline
     paired = baseline.decays[0].window.paired
     leaders = [one for one in tried if one.plausible and (paired or not _follows_anything(one))]
-    for first in leaders[: _BEAM if paired else _BEAM_OF_ONE]:
+    for first in leaders[:_BEAM]:
         alone = few.on_few(first.fit)
         terms = candidate_terms(alone.model, library, alone.windows[0])
-        if first.term.is_force and paired:
-            terms = tuple(term for term in terms if not term.is_force)
+        if first.term.is_force:
+            faults = tuple(term for term in terms if not term.is_force)
+            scales = scales_of(baseline.decays[0], residual_lines(alone))
+            forces = () if paired else promising_forces(baseline.decays, alone, terms, scales, _FORCES)
+            terms = (*forces, *faults)
         seconds = try_terms(baseline.decays, alone, terms, goal=baseline.highest * alone.degrees)
         rest = {one: at_rest(baseline.decays, one.fit, one.term) for one in seconds}
         allowed = [one for one in seconds if rest[one] > -RIVALS_WITHIN]
