@@ -25,7 +25,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
-from identify.priors import DOUBT, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -99,8 +99,8 @@ def weigh(
     nats: dict[str, float],
     effects: dict[str, Effect],
     last: RandomWalk,
-    unit: float = 1.0,
-    alpha: float = DOUBT,
+    unit: float,
+    alpha: float,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 

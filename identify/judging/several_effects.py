@@ -114,7 +114,9 @@ def several_effects(
     few = FewReleases.of(baseline)
     law: Several | None = None
     for several in _in_order(few, tried, library):
-        whole = replace(several, fit=few.on_all(several.fit)) if _explains(few.baseline, several) else several
+        if not _explains(few.baseline, several):
+            continue
+        whole = replace(several, fit=few.on_all(several.fit))
         if not _explains(baseline, whole):
             continue
         if len(whole.terms) > 1 or baseline.floor_is_sure:
