@@ -146,7 +146,7 @@ def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> E
     # Far from the readings a fit knows its chi-square less well than the walk, which is linearised there.
     known = place.without.chi_square - own.fit.chi_square
     more = 0.5 * (before.without - last.without - known) / own.unit
-    near = [one for one in place.tried if one is own or (one.plausible and baseline.adequate(one.fit))]
+    near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
     return weigh(before, nats, {one.name: one.term.effect for one in near}, last, own.unit, baseline.alpha)
 

@@ -250,8 +250,8 @@ def shares_tables(shares: Sequence[SharesDocument]) -> tuple[Table, ...]:
         )  # fmt: skip
         size, force = amplitude_words(at.amplitude, at.unit), typeset_unit(at.effects[0].force.unit)
         head = (
-            f"at {size},\nthe {which}", f"largest force\n{force}", "of all but\nspring, %", "of the loss\n%",
-            "frequency\nchanged by, %",
+            f"at {size},\nthe {which}", f"largest force\n{force}", "all but\nspring, %", "of the\nloss, %",
+            "frequency\nchanged, %",
         )  # fmt: skip
         found.append(Table("", head, rows))
     return tuple(found)

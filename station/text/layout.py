@@ -111,6 +111,7 @@ def grid(table: Table, width: int) -> Grid:
             overflow="fold",
             no_wrap=room and not words,
             min_width=least if words else None,
+            width=least if words and not room else None,  # else rich folds these first, and cuts off the last column
         )
     for mark, row in table.marked:
         made.add_row(*(Text(_plain(cell), style=MARKS.get(mark, "")) for cell in row))

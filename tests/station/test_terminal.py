@@ -74,6 +74,15 @@ def test_names_break_at_blanks_where_values_are_wide():
     assert value in rows[1]
 
 
+def test_the_last_column_of_a_wide_table_is_not_cut_off():
+    numbers = tuple(f"{n}.2345 ± 0.0001" for n in range(1, 5))
+    wide = Table("", ("effect", "force", "share", "loss", "frequency"), (("position_dependent_damping", *numbers),))
+    console = Console(width=80, record=True, file=io.StringIO())
+    show_parts(console, [wide])
+    written = console.export_text().split()
+    assert all(word in written for number in numbers for word in number.split())
+
+
 def test_words_beside_a_path_that_is_longer_than_a_line_are_printed_and_the_path_is_not_folded():
     path = f"/measurements/{'a' * 90}/spindle:"
     console = Console(width=80, file=io.StringIO())
