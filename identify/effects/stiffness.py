@@ -25,7 +25,13 @@ CUBIC_STIFFNESS = ForceEffect(
     shows_detection_limit=True,
     symptom="the frequency moves with the square of the amplitude, alike in both directions",
     confirming_test="release from twice the amplitude: the frequency shift grows fourfold",
-    confusable_with=("quintic_stiffness", "end_stop", "time_varying_stiffness", "freeplay"),
+    confusable_with=(
+        "pendulum_stiffness",
+        "quintic_stiffness",
+        "end_stop",
+        "time_varying_stiffness",
+        "freeplay",
+    ),
 )
 
 QUADRATIC_STIFFNESS = ForceEffect(
@@ -60,7 +66,7 @@ QUINTIC_STIFFNESS = ForceEffect(
     force=lambda t, u, v, z, p: p[0] * u**5,
     symptom="the frequency moves with the fourth power of the amplitude",
     confirming_test="releases from two amplitudes: the shift grows as the fourth power",
-    confusable_with=("cubic_stiffness", "end_stop"),
+    confusable_with=("pendulum_stiffness", "cubic_stiffness", "end_stop"),
 )
 
 BILINEAR_STIFFNESS = ForceEffect(

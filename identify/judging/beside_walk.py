@@ -25,7 +25,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
-from identify.priors import NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -141,14 +141,28 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
 
 
 def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> Evidence:
-    """Weigh one of several effects against what may stand in its place, beside the others."""
+    """Weigh one of several effects against what may stand in its place, beside the others.
+
+    It has no name where something else is clearly more probable there and makes no sense, and, where the floor is a guess,
+    where its strength is not determined.
+    """
     before, own = walk_beside(place.without), place.tried[0]
     # Far from the readings a fit knows its chi-square less well than the walk, which is linearised there.
     known = place.without.chi_square - own.fit.chi_square
     more = 0.5 * (before.without - last.without - known) / own.unit
     near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
-    return weigh(before, nats, {one.name: one.term.effect for one in near}, last, own.unit, baseline.alpha)
+    effects = {one.name: one.term.effect for one in near}
+    found = weigh(before, nats, effects, last, own.unit, baseline.alpha)
+    known = baseline.floor_is_sure or not own.term.is_force or _is_determined(own)
+    named = found.verdict == "named"
+    return replace(found, verdict="no name") if named and not (known and own.name in found.names) else found
+
+
+def _is_determined(force: Candidate) -> bool:
+    """Check that the record determines the strength of a force."""
+    strength = force.fit.values[str(force.term.strength)]
+    return abs(strength.value) > CLEAR * strength.std
 
 
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:

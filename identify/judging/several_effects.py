@@ -11,8 +11,9 @@ from typing import Self
 from identify.effects.effect import Effect
 from identify.evidence import evidence
 from identify.fitting.baseline import Baseline, residual_lines
-from identify.fitting.fit import Fit, fit
+from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import initial_values, scales_of
+from identify.fitting.problem import Problem
 from identify.fitting.segments import first_cycles
 from identify.judging.linear_gain import promising_forces, states_of_term, with_fault
 from identify.judging.ranking import at_rest, chi_square_unit, weigh_candidate
@@ -153,13 +154,16 @@ def _with_places(
 
 def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ...], unit: float) -> InPlace:
     own = term.effect
-    less = fit(found.model.minus(own.name), found.windows, found.point, found.frequency)
+    model = found.model.minus(own.name)
+    less = fit(model, found.windows, found.point, found.frequency)
+    problem = Problem(model, found.windows, found.frequency)
+    beside = fit_at(problem, problem.theta(found.point))
     known = {effect.name: effect for effect in library if effect.name not in found.model}
     others = [known[name] for name in own.confusable_with if name in known]
     terms = candidate_terms(less.model, others, less.windows[0])
     first = list(dict.fromkeys(one.effect.name for one in terms))[:_INSTEAD]
     terms = tuple(one for one in terms if one.effect.name in first)
-    tried = (score_candidate(found, less, term, baseline.scales), *try_terms(baseline.decays, less, terms))
+    tried = (score_candidate(found, less, term, baseline.scales), *try_terms(baseline.decays, beside, terms))
     return InPlace(less, tuple(weigh_candidate(baseline, less, one, unit) for one in tried))
 
 
@@ -216,12 +220,11 @@ def _beside_the_best(
     """Yield the best single candidates, each with its best partner: a fault beside a force, anything beside a fault.
 
     One channel is differentiated twice for the equation error, which then misses pairs: there a force is tried beside a
-    force, too, of which the linear gain selects a few, and no law of time or line leads: either follows much of any pair.
+    force, too, of which the linear gain selects a few.
     """
     baseline = few.baseline
     paired = baseline.decays[0].window.paired
-    leaders = [one for one in tried if one.plausible and (paired or not _follows_anything(one))]
-    for first in leaders[:_BEAM]:
+    for first in [candidate for candidate in tried if candidate.plausible][:_BEAM]:
         alone = few.on_few(first.fit)
         terms = candidate_terms(alone.model, library, alone.windows[0])
         if first.term.is_force:
@@ -235,8 +238,3 @@ def _beside_the_best(
         if allowed:
             second = max(allowed, key=lambda one: one.evidence + rest[one])
             yield Several(second.fit, (first.term, second.term))
-
-
-def _follows_anything(candidate: Candidate) -> bool:
-    """Check for a law of time or a line, which follow a part of any misfit."""
-    return candidate.term.effect.of_time or candidate.term.effect.line

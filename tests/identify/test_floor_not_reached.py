@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
+from specimens import Specimen
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
@@ -194,6 +195,17 @@ def test_two_forces_in_one_channel_are_named_with_their_values(first: str, secon
         strength = one.effect.strength.name
         truth, estimate = sample.truth["parameters"][one.effect.name][strength], one.parameters[strength]
         assert abs(estimate.value - truth) < 5.0 * estimate.std
+
+
+def test_two_forces_in_one_channel_of_two_releases_are_named_together():
+    specimen = Specimen("cubic_stiffness+quadratic_damping", 0.03, 5)
+    draws = [
+        draw(specimen.hidden, 0.03, 500 + i, amplitude=a, **specimen.made_of)
+        for i, a in enumerate((0.02, -0.012))
+    ]
+    found = diagnose([FreeDecay(one.rate, displacement=one.displacement) for one in draws])
+    assert not found.baseline.floor_is_sure
+    assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
 
 
 def test_a_law_between_the_names_in_one_channel_has_its_exponent():

@@ -76,7 +76,9 @@ def test_names_break_at_blanks_where_values_are_wide():
 
 def test_the_last_column_of_a_wide_table_is_not_cut_off():
     numbers = tuple(f"{n}.2345 ± 0.0001" for n in range(1, 5))
-    wide = Table("", ("effect", "force", "share", "loss", "frequency"), (("position_dependent_damping", *numbers),))
+    wide = Table(
+        "", ("effect", "force", "share", "loss", "frequency"), (("position_dependent_damping", *numbers),)
+    )
     console = Console(width=80, record=True, file=io.StringIO())
     show_parts(console, [wide])
     written = console.export_text().split()
