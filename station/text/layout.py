@@ -105,13 +105,14 @@ def grid(table: Table, width: int) -> Grid:
         columns.append((words, max(map(len, parts), default=0)))
     room = width - 2 * (len(columns) - 1) >= sum(least for _, least in columns)
     for name, (words, least) in zip(table.head, columns, strict=True):
+        # Without room, words keep their width: else rich folds them first, and cuts off the last column.
         made.add_column(
             Text(_plain(name)),
             justify="left" if words else "right",
             overflow="fold",
             no_wrap=room and not words,
             min_width=least if words else None,
-            width=least if words and not room else None,  # else rich folds these first, and cuts off the last column
+            width=least if words and not room else None,
         )
     for mark, row in table.marked:
         made.add_row(*(Text(_plain(cell), style=MARKS.get(mark, "")) for cell in row))
