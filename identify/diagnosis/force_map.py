@@ -37,9 +37,9 @@ class ForceMap:
     small: Array
 
 
-def force_left(prepared: PreparedDecay, base: Fit) -> Array:
-    """Return the force per unit mass that a model leaves along the measured motion, shape (n,)."""
-    return prepared.restoring - force_along_motion(prepared, base)
+def force_left(prepared: PreparedDecay, base: Fit, index: int) -> Array:
+    """Return the force per unit mass that a model leaves along the motion of the release at a place, shape (n,)."""
+    return prepared.restoring - force_along_motion(prepared, base, index)
 
 
 def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, index: int = 0) -> Array:
@@ -49,7 +49,7 @@ def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, inde
     as the force for which it would be taken.
     """
     if term.is_force:
-        return force_along_motion(prepared, found) - force_along_motion(prepared, base)
+        return force_along_motion(prepared, found, index) - force_along_motion(prepared, base, index)
     seeming = _as_force(prepared, found, term, index)
     motion = prepared.motion
     design = np.column_stack(

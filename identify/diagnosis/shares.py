@@ -16,6 +16,7 @@ from identify.fitting.fit import Fit
 from identify.formatting import quantity, scaled
 from identify.model.equivalent_linearisation import average, force_over_cycle
 from identify.model.model import Term
+from identify.model.parameter_id import values_in_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.oscillation import running_amplitude
 from identify.summary import Summary
@@ -171,7 +172,8 @@ class _Cycle:
         covariance = fit.covariance[np.ix_(known, known)]
         std = np.sqrt(np.maximum(np.einsum("pij,pq,qij->ij", gradient, covariance, gradient), 0.0))
         for i, term in enumerate(self.terms):
-            if not all(np.isfinite(fit.values[str(term.parameter(p.name))].std) for p in term.free):
+            own = [fit.values[str(term.in_release(p, 0, len(fit.windows)))] for p in term.free]
+            if not all(np.isfinite(value.std) for value in own):
                 std[i] = np.inf
         return np.asarray(std)
 
@@ -186,7 +188,8 @@ class _Cycle:
 
 
 def _at(found: Fit, amplitude: float, time: float, unit: str, mass: float | None) -> AmplitudeShares | None:
-    values = {name: estimate.value for name, estimate in found.parameters.items()}
+    shared = {name: estimate.value for name, estimate in found.parameters.items()}
+    values = values_in_release(shared, 0, len(found.windows))
     spring = found.model.linear_strength(LinearPart.STIFFNESS)
     terms = tuple(t for t in found.model.forces if t.force.linear_part is not LinearPart.STIFFNESS)
     if not terms:

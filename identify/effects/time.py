@@ -98,7 +98,7 @@ HARMONIC_FORCING = ForceEffect(
     parameters=(
         Parameter("amp", "m/s^2", "amplitude of the force per unit mass", 0.0),
         Parameter("f", "Hz", "frequency", 0.0),
-        Parameter("phase", "rad", "phase at the release"),
+        Parameter("phase", "rad", "phase at the release", of_release=True),
     ),
     force=lambda t, u, v, z, p: -p[0] * sin(2.0 * pi * p[1] * t + p[2]),
     starts=_line_starts,

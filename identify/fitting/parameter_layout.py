@@ -61,11 +61,13 @@ class Cell:
 class ReleasePlaces:
     """Where the unknowns of one window are: displacement and velocity at its start, internal states, and how it is read.
 
-    `lag` and `gain` are NOWHERE without a pair of channels. `faults` are those of its sensors, each with its unknowns.
+    `forces` are the parameters of forces that it has of its own. `lag` and `gain` are NOWHERE without a pair of channels.
+    `faults` are those of its sensors, each with its unknowns.
     """
 
     start: tuple[int, int]
     states: tuple[Cell, ...]
+    forces: tuple[Cell, ...]
     lag: int
     gain: int
     offsets: dict[str, int]
@@ -113,7 +115,7 @@ class ParameterLayout:
         sizes = (w * w, 0.01 * w, 0.01 * w * w * self._amplitude)
         for term in self._model.forces:
             part = term.force.linear_part
-            for parameter in term.free:
+            for parameter in (p for p in term.free if not p.of_release):
                 unit = in_unit(parameter.unit, self._unit)
                 size = _size_of(parameter) if part is None else sizes[part]
                 id = term.parameter(parameter.name)
@@ -129,7 +131,7 @@ class ParameterLayout:
         for row, term in enumerate(self.forces):
             for name, value in term.held_values.items():
                 held[row, term.effect.index(name)] = value
-            for parameter in term.free:
+            for parameter in (p for p in term.free if not p.of_release):
                 name = str(term.parameter(parameter.name))
                 cells.append(Cell(row, term.effect.index(parameter.name), place[name]))
             for column, shared in enumerate(term.force.shared_parameters, start=len(term.effect.parameters)):
@@ -149,7 +151,7 @@ class ParameterLayout:
             own("displacement", self._unit, self._amplitude),
             own("velocity", f"{self._unit}/s", self._amplitude * w),
         )
-        states = self._states(i, window)
+        states, forces = self._states(i, window), self._own_of_forces(i)
         lag = gain = NOWHERE
         if window.paired:
             lag = own("lag", "s", 1e-2 / w, window.lag - window.lag_reach, window.lag + window.lag_reach)
@@ -163,7 +165,7 @@ class ParameterLayout:
             )
             for c in window.channels
         }
-        return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
+        return ReleasePlaces(start, states, forces, lag, gain, offsets, self._faults(i, window))
 
     def _deviations(self, windows: Sequence[FitWindow]) -> None:
         """Add the deviations of each release's spring and damper from the shared ones, where these may differ."""
@@ -196,6 +198,16 @@ class ParameterLayout:
                 cells.append(Cell(row, j, self._add(Unknown(id, "", -most, most, size, i))))
         return tuple(cells)
 
+    def _own_of_forces(self, i: int) -> tuple[Cell, ...]:
+        """Add the parameters of forces that each window has of its own."""
+        cells = []
+        for row, term in enumerate(self.forces):
+            for parameter in (p for p in term.free if p.of_release):
+                id, unit = term.in_release(parameter, i, self._count), in_unit(parameter.unit, self._unit)
+                own = Unknown(id, unit, parameter.low, parameter.high, _size_of(parameter), i)
+                cells.append(Cell(row, term.effect.index(parameter.name), self._add(own)))
+        return tuple(cells)
+
     def _faults(self, i: int, window: FitWindow) -> tuple[tuple[Term, list[int]], ...]:
         """Add the parameters of the sensors' faults that the channels of a window can show."""
         found = []
@@ -206,7 +218,7 @@ class ParameterLayout:
             places = [
                 self._add(
                     Unknown(
-                        term.parameter(parameter.name).of_release(i, self._count),
+                        term.in_release(parameter, i, self._count),
                         re.sub(r"\((\w+)\)", r"\1", parameter.unit.replace("reading", reading)),
                         parameter.low,
                         parameter.high,

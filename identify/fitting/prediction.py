@@ -55,13 +55,14 @@ def predict(
         str(t.parameter(p.name))
         for t in model.forces
         for p in t.free
-        if str(t.parameter(p.name)) not in values
+        if not p.of_release and str(t.parameter(p.name)) not in values
     ]
     if missing:
         raise ValueError(f"no value is given for {', '.join(missing)}")
     pieces = segments_of(decay)
     known = {name: v.value if isinstance(v, Estimate) else float(v) for name, v in values.items()}
-    start = initial_nuisances(pieces, model, known) | known | _faults(model, known, len(pieces))
+    own = _own_values(model, known, len(pieces))
+    start = initial_nuisances(pieces, model, known | own) | known | own
     windows, frequency = tuple(piece.window for piece in pieces), pieces[0].frequency
     windows = without_own_linear(windows) if hold else with_own_linear(windows, frequency)
     start = own_springs(pieces, model, start) | start
@@ -105,13 +106,14 @@ def predict_windows(
     )
 
 
-def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, float]:
-    """Return starting values of the sensors' faults, which each release has of its own."""
+def _own_values(model: Model, known: Mapping[str, float], count: int) -> dict[str, float]:
+    """Return starting values of what each release has of its own: faults of sensors, and phases of shaking."""
     start: dict[str, float] = {}
-    for term in model.faults:
-        for parameter in term.free:
-            id = term.parameter(parameter.name)
-            value = known.get(str(id), known.get(str(term.parameter(parameter.name, 0))))
-            if value is not None:
-                start |= {str(id.of_release(i, count)): value for i in range(count)}
+    for term in model.terms:
+        for parameter in (p for p in term.free if p.of_release or not term.is_force):
+            value = known.get(
+                str(term.parameter(parameter.name)), known.get(str(term.parameter(parameter.name, 0)))
+            )
+            if value is not None or term.is_force:
+                start |= {str(term.in_release(parameter, i, count)): value or 0.0 for i in range(count)}
     return start

@@ -91,7 +91,7 @@ class Problem:
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
         """Choose the number of integration steps a sample of window i, or for a `tangent` the number its slope needs."""
-        return self._substeps(self._table(self.within(theta, i)), i, _ROUGH if tangent else self.longer)
+        return self._substeps(self._table(self.within(theta, i), i), i, _ROUGH if tangent else self.longer)
 
     def _substeps(self, table: Array, i: int, longer: float) -> int:
         rate, nonsmooth = self.windows[i].rate, self.system.nonsmooth
@@ -128,7 +128,7 @@ class Problem:
         window, places = self.windows[i], self.layout.releases[i]
         theta = self.within(theta, i)
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])
-        table = self._table(theta)
+        table = self._table(theta, i)
         at_u, at_v = places.start
         lag = theta[places.lag] if places.lag != NOWHERE else 0.0
         return simulate(
@@ -175,16 +175,16 @@ class Problem:
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
         """Return the internal states at the start of window i, by "effect.state0"."""
         theta = self.within(theta, i)
-        states = self._states_at_start(theta, self._table(theta), i)
+        states = self._states_at_start(theta, self._table(theta, i), i)
         return {
             str(term.state(j)): float(states[row, j])
             for row, term in enumerate(self.layout.forces)
             for j in range(term.force.states)
         }
 
-    def _table(self, theta: Array) -> Array:
+    def _table(self, theta: Array, i: int) -> Array:
         table = self.layout.held.copy()
-        for cell in self.layout.cells:
+        for cell in (*self.layout.cells, *self.layout.releases[i].forces):
             table[cell.row, cell.column] = theta[cell.unknown]
         return table
 

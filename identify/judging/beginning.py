@@ -22,6 +22,7 @@ from identify.fitting.problem import Problem
 from identify.judging.linear_gain import (
     Slope,
     Starts,
+    in_releases,
     is_near,
     likeliest,
     probes,
@@ -30,7 +31,7 @@ from identify.judging.linear_gain import (
     with_fault,
 )
 from identify.model.model import Term
-from identify.model.parameter_id import nuisance
+from identify.model.parameter_id import nuisance, values_in_release
 from identify.preprocessing.equation_error import Regression
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -136,11 +137,12 @@ def _promising(
     largest = _largest(decays)
     points = []
     for rss, _, inner in _ranked(
-        base, problem, term, starts, lambda inner: regress_model(largest, model, inner)
+        decays, base, problem, term, starts, lambda inner: regress_model(largest, model, inner)
     )[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
-            point[strength] = weak_strength(largest, term, inner) or 0.0
+            own = values_in_release(inner, decays.index(largest), len(decays))
+            point[strength] = weak_strength(largest, term, own) or 0.0
         if is_near(base):
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(problem.theta(point))
@@ -159,7 +161,7 @@ def _not_from_rest(
         return []
     points = []
     ranked = _ranked(
-        base, problem, term, starts, lambda inner: regress_states(largest, model, inner, term)[0]
+        decays, base, problem, term, starts, lambda inner: regress_states(largest, model, inner, term)[0]
     )
     for rss, strengths, inner in ranked[:_STARTS]:
         if not np.isfinite(rss):
@@ -169,7 +171,8 @@ def _not_from_rest(
         }
         point = initial_nuisances(decays, model, values) | values
         for i, decay in enumerate(decays):
-            for j, off in enumerate(regress_states(decay, model, values, term)[1].tolist()):
+            own = values_in_release(values, i, len(decays))
+            for j, off in enumerate(regress_states(decay, model, own, term)[1].tolist()):
                 name = str(term.state(j).of_release(i, len(decays)))
                 point[name] = point.get(name, 0.0) + off
         points.append(problem.theta(point))
@@ -181,6 +184,7 @@ def _largest(decays: tuple[PreparedDecay, ...]) -> PreparedDecay:
 
 
 def _ranked(
+    decays: tuple[PreparedDecay, ...],
     base: Fit,
     problem: Problem,
     term: Term,
@@ -189,14 +193,17 @@ def _ranked(
 ) -> list[tuple[float, list[float], dict[str, float]]]:
     """Rank the starts of a force by equation error: what is left, the strengths, and the parameters, by unknown's name.
 
+    They are `regressed` from the parameters in the largest release.
+
     What is left is infinite where the force would have an impossible strength.
     """
+    largest = decays.index(_largest(decays))
     place, strength = problem.model.forces.index(term), term.effect.strength
     physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked = []
     for start in starts:
-        inner = physics | term.by_name(start)
-        found = regressed(inner)
+        inner = physics | in_releases(base, term, start)
+        found = regressed(values_in_release(inner, largest, len(decays)))
         possible = strength.low <= found.strengths[place] <= strength.high
         ranked.append((found.rss if possible else np.inf, found.strengths.tolist(), inner))
     return sorted(ranked, key=lambda entry: entry[0])

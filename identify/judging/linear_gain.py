@@ -19,6 +19,7 @@ from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
+from identify.model.parameter_id import values_in_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 
@@ -42,19 +43,41 @@ def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, floa
     """
     point, count = base.point, len(base.windows)
     for i in range(count):
-        own = _line_of_release(base, term, start, i) if term.effect.line and count > 1 else start
-        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in own.items()}
+        several = term.effect.line and count > 1
+        own = _line_of_release(base, term, term.channel, start, i) if several else start
+        point |= {str(term.in_release(p, i, count)): own[p.name] for p in term.free if p.name in own}
     return point
 
 
-def _line_of_release(base: Fit, term: Term, start: dict[str, float], i: int) -> dict[str, float]:
-    """Fit a line of the frequency of `start` to the residual of release i."""
+def in_releases(base: Fit, term: Term, start: dict[str, float], first: int = 0) -> dict[str, float]:
+    """Return the values of a force in all releases, by unknown's name, from those in the `first`, by their own.
+
+    The phase of a line is ahead of the residual's by the same right angles in each.
+    """
+    values, count = term.by_name(start), len(base.windows)
+    for phase in (p for p in term.free if p.of_release and count > 1):
+        seen = [
+            _line_of_release(base, term, window.channels[0], start, i)[phase.name]
+            for i, window in enumerate(base.windows)
+        ]
+        quarters = np.rint((values.pop(str(term.parameter(phase.name))) - seen[first]) / (0.5 * np.pi))
+        values |= {
+            str(term.in_release(phase, i, count)): float((own + 0.5 * np.pi * quarters) % (2.0 * np.pi))
+            for i, own in enumerate(seen)
+        }
+    return values
+
+
+def _line_of_release(
+    base: Fit, term: Term, channel: str, start: dict[str, float], i: int
+) -> dict[str, float]:
+    """Fit a line of the frequency of `start` to the residual of a channel of release i."""
     window = base.windows[i]
     units = {p.unit: p.name for p in term.effect.parameters}
-    used = window.used[term.channel]
+    used = window.used[channel]
     angle = 2.0 * np.pi * start[units["Hz"]] * window.clock[used]
     waves = np.column_stack([np.sin(angle), np.cos(angle)])
-    sine, cosine = np.linalg.lstsq(waves, base.residual(term.channel, i)[used], rcond=None)[0]
+    sine, cosine = np.linalg.lstsq(waves, base.residual(channel, i)[used], rcond=None)[0]
     own = {
         term.effect.strength.name: float(np.hypot(sine, cosine)),
         units["rad"]: float(np.arctan2(cosine, sine) % (2.0 * np.pi)),
@@ -74,18 +97,18 @@ def probes(
     `problem` is that of the model with the term, `start` has its inner parameters by their own names.
     """
     largest = max(decays, key=lambda prepared: prepared.amplitude)
-    begun = term.by_name(start)
+    begun, count = in_releases(base, term, start), len(base.windows)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    strength = weak_strength(largest, term, inner)
+    strength = weak_strength(largest, term, values_in_release(inner, decays.index(largest), count))
     if strength is None:
         return []
     states = states_of_term(base, term, inner)
     point = base.point | begun | {str(term.strength): strength} | states
     points = [point]
     sizes = term.force.state_sizes(largest.amplitude, largest.frequency)
-    for i in range(len(base.windows)):
+    for i in range(count):
         for j in range(term.force.states):
-            name = str(term.state(j).of_release(i, len(base.windows)))
+            name = str(term.state(j).of_release(i, count))
             if name in states and name in problem.index:
                 points.append(point | {name: states[name] + 0.5 * sizes[j]})
     return [problem.theta(p) for p in points]

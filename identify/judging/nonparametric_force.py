@@ -119,7 +119,8 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
 
 def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
     """Fit the free form to the residual of a fit, along the release of the largest amplitude."""
-    return nonparametric_force(baseline.largest, force_along_motion(baseline.largest, found))
+    place = baseline.decays.index(baseline.largest)
+    return nonparametric_force(baseline.largest, force_along_motion(baseline.largest, found, place))
 
 
 def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
@@ -231,7 +232,8 @@ def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
     position = form.position(prepared.time, motion.displacement, motion.velocity)
     low, high = (float(f"{edge:.6g}") for edge in (np.min(position), np.max(position)))
     form = replace(form, low=0.0 if form.over == "abs(v)" else low, high=high)
-    weights = _regressed(prepared, prepared.restoring - force_along_motion(prepared, baseline.fit), form)
+    modelled = force_along_motion(prepared, baseline.fit, baseline.decays.index(prepared))
+    weights = _regressed(prepared, prepared.restoring - modelled, form)
     largest = int(np.argmax(np.abs(weights)))
     form = replace(form, unit=largest + 1)
     ratios = tuple(float(weights[i] / weights[largest]) for i in range(COUNT) if i != largest)

@@ -15,7 +15,7 @@ from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import initial_values, scales_of
 from identify.fitting.problem import Problem
 from identify.fitting.segments import first_cycles
-from identify.judging.linear_gain import promising_forces, states_of_term, with_fault
+from identify.judging.linear_gain import in_releases, promising_forces, states_of_term, with_fault
 from identify.judging.ranking import at_rest, chi_square_unit, weigh_candidate
 from identify.judging.search import Begun, promising_sets
 from identify.judging.suspects import (
@@ -82,10 +82,10 @@ class FewReleases:
         shared = {u.name: found.values[u.name].value for u in found.unknowns if u.window < 0}
         start = base.point | shared
         for term in (term for term in found.model.terms if term.effect.name not in base.model):
+            own = {name: estimate.value for name, estimate in found.of(term, 0).items()}
             if term.is_force:
-                start |= states_of_term(base, term, start)
+                start |= in_releases(base, term, own, self.places[0]) | states_of_term(base, term, start)
             else:
-                own = {name: estimate.value for name, estimate in found.of(term, 0).items()}
                 start = with_fault(base, term, own) | start
         return fit(found.model, base.windows, start, base.frequency, near=True)
 
@@ -207,7 +207,7 @@ def _fitted(baseline: Baseline, together: tuple[Begun, ...]) -> Several:
     model, inner = baseline.fit.model, {name: e.value for name, e in baseline.fit.parameters.items()}
     for begun in together:
         model = model.plus(begun.term)
-        inner |= begun.term.by_name(begun.inner)
+        inner |= in_releases(baseline.fit, begun.term, begun.inner)
     start = initial_values(baseline.decays, model, inner)
     goal = baseline.highest * baseline.fit.degrees
     found = fit(model, baseline.fit.windows, start, baseline.fit.frequency, goal=goal)

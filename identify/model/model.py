@@ -61,6 +61,11 @@ class Term:
         """Return the identity of a parameter; a fault's, where there are several releases, of one of them."""
         return ParameterId(self.effect.name, name, release)
 
+    def in_release(self, parameter: Parameter, release: int, count: int) -> ParameterId:
+        """Return the identity of a parameter in one of `count` releases; of a force they share all but a few."""
+        id = self.parameter(parameter.name)
+        return id.of_release(release, count) if parameter.of_release or not self.is_force else id
+
     def state(self, place: int, release: int | None = None) -> ParameterId:
         """Return the identity of an internal state at the start of a release."""
         return ParameterId(self.effect.name, f"state{place}", release, "state")

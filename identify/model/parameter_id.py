@@ -1,6 +1,7 @@
 """The identity of a parameter: whose it is, in which release, and what for."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, Self
 
@@ -47,6 +48,14 @@ class ParameterId:
     def of_release(self, release: int, count: int) -> Self:
         """Return the same of one of `count` releases, which has a number only among several."""
         return type(self)(self.effect, self.parameter, release if count > 1 else None, self.role)
+
+
+def values_in_release(values: Mapping[str, float], release: int, count: int) -> dict[str, float]:
+    """Return values by name as one of `count` releases has them, under their names in that release alone."""
+    if count == 1:
+        return dict(values)
+    own, found = f"[{release}]", {name: value for name, value in values.items() if not name.endswith("]")}
+    return found | {name.removesuffix(own): value for name, value in values.items() if name.endswith(own)}
 
 
 def nuisance(name: str, release: int = 0, count: int = 1) -> ParameterId:

@@ -61,7 +61,7 @@ def force_maps(
     prepared: PreparedDecay, base: Fit, best: Iterable[tuple[Term, Fit]], index: int = 0
 ) -> NamedMaps:
     """Map the force that the model `base` lacks in the release `index` among its windows, and what each of `best` adds."""
-    lacks = ("what the model lacks", force_map(prepared, force_left(prepared, base)))
+    lacks = ("what the model lacks", force_map(prepared, force_left(prepared, base, index)))
     adds = (
         (term.effect.name, force_map(prepared, force_added(prepared, base, found, term, index)))
         for term, found in best

@@ -131,9 +131,8 @@ class KnownModel:
                 id = term.parameter(parameter.name)
                 if str(id) not in self.values:
                     continue
-                for i in range(1 if term.is_force else len(decays)):
-                    own = id if term.is_force else id.of_release(i, len(decays))
-                    start[str(own)] = self.values[str(id)]
+                for i in range(len(decays)):
+                    start[str(term.in_release(parameter, i, len(decays)))] = self.values[str(id)]
         return start
 
 
