@@ -20,6 +20,8 @@ FEWEST_IN_A_RUN = 50
 EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
+TOLD = 0.05  # of a sampling interval: digits beyond it tell nothing more
+FEWEST_IN_A_DECADE = 10
 ROUGHER = 1.25  # times what local curves leave on an even clock: more at the stamps says that these show no reading's time
 ROWS_OF_A_CURVE = 11
 DEGREE = 7  # closer to a motion of seven readings a cycle than jitter of 5 % of an interval moves it
@@ -99,7 +101,7 @@ def from_stamps(
     """
     notes: list[str] = []
     time, rows = _stamps(table, column, unit, notes)
-    time, rows = _in_order(table, column, time, rows, values, notes)
+    time, rows = _in_order(table, column, time, rows, values, notes, even=even)
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -109,9 +111,10 @@ def from_stamps(
             USE_RATE,
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
-    index = np.sort(rows) - rows.min() if even else _number_samples(table, column, time, rows, period)
-    slope, start, stray, rate_std = _line(index, time)
-    coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
+    rounding = _rounding(time, period)
+    index = rows - rows.min() if even else _number_samples(table, column, time, rows, period, rounding)
+    slope, start, stray, rate_std = _line(index, time, rounding)
+    coarse = bool(np.max(np.abs(time - start - slope * index) / rounding) < 1.1)
     uneven = stray > EVEN * slope
     spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
@@ -120,13 +123,14 @@ def from_stamps(
     resampled = spline and not rebuilt and (resample or believed)
     if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
-        raise _no_clock(place(table.path, table.line(worst), column.number), time, slope, stray)
+        where = place(table.path, table.line(worst), column.number)
+        raise _no_clock(where, slope, stray, equal=not spline, rougher=rougher > ROUGHER)
     notes.extend(_holes(table, index, time, rows))
     if rebuilt:
         # neighbouring stamps may stray together, as those of three digits do: the record's ends are known no better than one
         rate_std = max(rate_std, stray / float(time[-1] - time[0]) / slope)
-        rounding = f"no more than the rounding of the stamps to {1e3 * quantum(time):.3g} ms"
-        why = "but the rows are said to be even" if even else rounding
+        rounded = f"no more than the rounding of the stamps, up to {1e3 * np.max(rounding):.3g} ms"
+        why = "but the rows are said to be even" if even else rounded
         notes.append(
             f"{_strays(stray, slope)}, {why}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
@@ -220,19 +224,31 @@ def _over_midnight(time: Array, notes: list[str]) -> Array:
 
 
 def _in_order(
-    table: Table, column: SourceColumn, time: Array, rows: Index, values: Array, notes: list[str]
+    table: Table,
+    column: SourceColumn,
+    time: Array,
+    rows: Index,
+    values: Array,
+    notes: list[str],
+    *,
+    even: bool,
 ) -> tuple[Array, Index]:
-    """Return stamps that never fall: rows written twice are dropped, rows slightly out of order are sorted."""
+    """Return stamps that never fall: rows written twice are dropped, rows slightly out of order are sorted.
+
+    `even` rows are in order, whatever their stamps say.
+    """
     steps = np.diff(time)
     if np.all(steps > 0.0):
         return time, rows
     back = np.flatnonzero(steps < 0.0)
     typical = float(np.median(np.abs(steps)))
-    if len(back):
+    if len(back) and not even:
         depth = float(np.max(np.maximum.accumulate(time) - time))
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
             raise _begins_again(table, column, time, rows)
         order = np.argsort(time, kind="stable")
+        if _jumps(time[order]) > _jumps(time):
+            raise _set_back(table, column, time, rows, int(back[0]) + 1)
         time, rows = time[order], rows[order]
         notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
     same = np.flatnonzero(np.diff(time) == 0.0) + 1
@@ -255,6 +271,20 @@ def _in_order(
     return time, rows
 
 
+def _jumps(time: Array) -> int:
+    """Count the steps of a clock that are off the usual one by half of it."""
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    return int(np.count_nonzero(np.abs(steps - usual) > 0.5 * usual))
+
+
+def _set_back(table: Table, column: SourceColumn, time: Array, rows: Index, at: int) -> NoClock:
+    """Return the refusal of a clock that was set back between rows that go on evenly."""
+    what = f"the clock is set back from {time[at - 1]:.6g} s to {time[at]:.6g} s, and the rows go on evenly"
+    where = place(table.path, table.line(int(rows[at])), column.number)
+    return NoClock(where, f"{what}; {USE_RATE}", {"even": True})
+
+
 def _begins_again(table: Table, column: SourceColumn, time: Array, rows: Index) -> ImportProblem:
     """Return the refusal of stamps that fall: where they always fall to the first one, the rows are runs."""
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
@@ -271,14 +301,18 @@ def _begins_again(table: Table, column: SourceColumn, time: Array, rows: Index) 
     return ImportProblem(f"{where}: {what}; {todo}; or {USE_RATE}")
 
 
-def _no_clock(where: str, time: Array, slope: float, stray: float) -> NoClock:
-    """Return the refusal of stamps (s) that stray by this rms (s) from the nearest even clock, of interval `slope` (s)."""
-    what = _strays(stray, slope)
-    todo = f"put the samples on an even clock with --resample; or {USE_RATE}"
-    remedy: dict[str, Any] = {"resample": True}
-    if np.mean(np.diff(time) == 0.0) >= OFTEN_EQUAL:
+def _no_clock(where: str, slope: float, stray: float, *, equal: bool, rougher: bool) -> NoClock:
+    """Return the refusal of stamps (s) that stray by this rms (s) from the nearest even clock, of interval `slope` (s).
+
+    Many are `equal`, so that no curve goes through the readings; or these are `rougher` at their stamps than evenly read.
+    """
+    what, remedy, todo = _strays(stray, slope), {"even": True}, f"if the rows were read evenly, {USE_RATE}"
+    if equal:
         what += ", and many are equal to the one before"
-        todo, remedy = f"if the rows were read evenly, {USE_RATE}", {"even": True}
+    elif rougher:
+        what += ", and the readings are smoother if they were read evenly"
+    else:
+        remedy, todo = {"resample": True}, f"put the samples on an even clock with --resample; or {USE_RATE}"
     return NoClock(where, f"{what}; {todo}", remedy)
 
 
@@ -292,14 +326,33 @@ def _strays(stray: float, slope: float) -> str:
 
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
-    return _line(np.arange(len(time)), time)[2]
+    return _line(np.arange(len(time)), time, np.ones(len(time)))[2]
 
 
-def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:
-    """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even."""
+def _rounding(time: Array, period: float) -> Array:
+    """Return what each stamp (n,) may be off by its digits, s, and no less than what matters beside a period.
+
+    Stamps that keep significant digits are rounded more from one decade to the next.
+    """
+    rounding = np.full(len(time), quantum(time))
+    decade = np.floor(np.log10(np.maximum(time, 1e-300)))
+    for edge in np.unique(decade[time > 0.0])[:-1]:
+        early = decade <= edge
+        if np.count_nonzero(early) >= FEWEST_IN_A_DECADE:
+            rounding[early] = np.minimum(rounding[early], quantum(time[early]))
+    return np.asarray(np.maximum(rounding, TOLD * period))
+
+
+def _number_samples(
+    table: Table, column: SourceColumn, time: Array, rows: Index, period: float, rounding: Array
+) -> Index:
+    """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even.
+
+    Holes are all long steps, or those that are longer than the rounding of their stamps allows.
+    """
     plain: Index = np.arange(len(time), dtype=np.int64)
-    steps = np.diff(time) / period
-    total = float(np.sum(np.maximum(np.rint(steps), 1.0))) + 1.0
+    steps = np.maximum(np.rint(np.diff(time) / period), 1.0)
+    total = float(np.sum(steps)) + 1.0
     if total == len(time):
         return plain
     if total > MAX_GROWTH * len(time) + 1000 or total > MAX_SAMPLES:
@@ -309,18 +362,28 @@ def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index
             f"split the file there; or {USE_RATE}",
             line=table.line(int(rows[worst + 1])), column=column.number,
         )  # fmt: skip
-    holed = np.concatenate(([0], np.cumsum(np.maximum(np.rint(steps), 1.0)))).astype(np.int64)
-    return holed if _line(holed, time)[2] < 0.5 * _line(plain, time)[2] else plain
+    rounded = np.abs(np.diff(time) - period) < 1.1 * rounding[1:]
+    found, stray = plain, _line(plain, time, rounding)[2]
+    for one in (np.where(rounded, 1.0, steps), steps):
+        holed = np.concatenate(([0], np.cumsum(one))).astype(np.int64)
+        left = _line(holed, time, rounding)[2]
+        found, stray = (holed, left) if left < 0.5 * stray else (found, stray)
+    return found
 
 
-def _line(index: Index, time: Array) -> tuple[float, float, float, float]:
-    """Return period, start, rms of the stamps about the line, and the standard error of the rate."""
-    k = index - index.mean()
-    t = time - time.mean()
-    spread = float(k @ k)
-    slope = float(k @ t) / spread
-    stray = float(np.sqrt(np.mean((t - slope * k) ** 2)))
-    return slope, float(time.mean() - slope * index.mean()), stray, stray / math.sqrt(spread) / slope**2
+def _line(index: Index, time: Array, rounding: Array) -> tuple[float, float, float, float]:
+    """Return period, start, rms of the stamps about the line, and the standard error of the rate.
+
+    Stamps weigh by what they may be off (n,), and the rms by the same weights.
+    """
+    weight = rounding**-2.0 / np.mean(rounding**-2.0)
+    centre, middle = np.average(index, weights=weight), np.average(time, weights=weight)
+    k, t = index - centre, time - middle
+    spread = float(weight @ k**2)
+    slope = float(weight @ (k * t)) / spread
+    stray = float(np.sqrt(np.mean(weight * (t - slope * k) ** 2)))
+    start = float(middle - slope * centre)
+    return slope, start, stray, stray / math.sqrt(spread) / slope**2
 
 
 def on_clock(values: Array, clock: Timebase) -> tuple[Array, Mask]:

@@ -206,10 +206,18 @@ def test_stamps_coarser_than_the_sampling_give_even_times_at_the_true_rate(tmp_p
     recording = load(tmp_path, wide("t1;theta1;omega1", [t, theta, omega], form="%.2E"))
     assert abs(recording.rate - rate) < 4 * (recording.rate_std or 0.0) < 0.08
     assert recording.valid.all()
-    assert "rounding of the stamps to 100 ms" in said(recording)
+    assert "rounding of the stamps, up to 100 ms" in said(recording)
     assert [c.quantity for c in recording.channels] == [
         "displacement"
     ]  # the velocity is its finite difference
+
+
+def test_a_frame_that_is_missing_shows_beside_stamps_of_few_digits(tmp_path: Path) -> None:
+    kept = np.delete(np.arange(543), (46, 140))
+    t = kept / 30.025
+    recording = load(tmp_path, wide("t;theta", [t, 40.0 * np.cos(4.0 * t)], form="%.2E"))
+    assert np.flatnonzero(~recording.valid).tolist() == [46, 140]
+    assert abs(recording.rate - 30.025) < 4.0 * recording.rate_std < 0.04
 
 
 @pytest.mark.parametrize("rate", [25.0, 30.0, 60.0, 33.37])

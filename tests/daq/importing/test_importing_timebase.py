@@ -268,6 +268,23 @@ def test_rows_that_the_operator_cuts_off_refuse_nothing(tmp_path: Path) -> None:
     assert load(tmp_path, text, stop=2.4).samples.shape == (2, 121)
 
 
+def test_stamps_at_which_the_readings_are_rough_are_left_out(tmp_path: Path) -> None:
+    at = np.arange(400) / 10.0
+    late = at + np.random.default_rng(7).exponential(0.2, 400)
+    text = table(HEADER, np.sort(late), np.cos(2.0 * at))
+    assert "smoother if they were read evenly" in refusal(tmp_path, text)
+    assert load(tmp_path, text, accept=True).rate == pytest.approx(10.0, rel=0.01)
+
+
+def test_a_clock_that_is_set_back_leaves_the_rows_in_their_order(tmp_path: Path) -> None:
+    at = np.arange(500) / 50.0
+    stamps = np.where(np.arange(500) < 270, at, at - 0.075)
+    text = table(HEADER, stamps, np.cos(5.0 * at))
+    assert "set back from 5.38 s to 5.325 s, and the rows go on evenly" in refusal(tmp_path, text)
+    recording = load(tmp_path, text, accept=True)
+    assert recording.samples[0].tolist() == pytest.approx(np.cos(5.0 * at).tolist(), abs=1e-6)
+
+
 def test_no_spline_is_drawn_through_stamps_that_are_mostly_equal(tmp_path: Path) -> None:
     """Five rows at each stamp, and the interval between stamps wanders: what was read when is not in the file."""
     steps = np.random.default_rng(5).uniform(0.05, 0.4, 60)
