@@ -53,3 +53,8 @@ def first_fault(error: ValidationError) -> str:
 
 Line = Annotated[str, AfterValidator(one_line)]
 """A text that is made one line when it is read."""
+
+
+def counted(count: int, one: str, several: str) -> str:
+    """Return a count with the words for one or for several."""
+    return f"{count} {one if count == 1 else several}"

@@ -77,7 +77,7 @@ _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),
     re.compile(r"(.*?)\s+/\s*(\S.{0,24})$", re.S),
-    re.compile(r"(.*\S)\s+(\S{1,12})$", re.S),
+    re.compile(r"(.*\S)\s+(?!A$)(\S{1,12})$", re.S),  # a letter A alone names a channel
     re.compile(r"([^/]*[^\W_])/(\S{1,12}/\S{1,12})$", re.S),
     re.compile(r"(.*[^\W_]/?)/(\S{1,12})$", re.S),
 )

@@ -11,6 +11,7 @@ from daq.importing.column_numbers import quantum
 from daq.importing.errors import ImportProblem, place, problem
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
+from daq.plain_text import counted
 from daq.recording import Array, Gap, Index, Mask, runs
 
 USE_RATE = "leave the stamps out by giving the rate with --rate"
@@ -159,7 +160,7 @@ def _stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]) ->
             line=table.line(int(np.argmin(np.isfinite(stamps)))) if len(stamps) else None, column=column.number,
         )  # fmt: skip
     if empty:
-        notes.append(f"{empty} rows without a time stamp were left out")
+        notes.append(f"{counted(empty, 'row', 'rows')} without a time stamp left out")
     return _over_midnight(stamps[rows], notes) if column.clock else stamps[rows], rows
 
 
@@ -170,8 +171,8 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
         return ()
     first = int(np.flatnonzero(np.diff(index) > 1)[0])
     return (
-        f"{lost} samples are missing by their time stamps, "
-        f"the first before t = {time[first + 1] - time[0]:.6g} s{table.at(rows[first + 1])}; they are marked as lost",
+        f"{counted(lost, 'sample is', 'samples are')} missing by the time stamps, "
+        f"the first before t = {time[first + 1] - time[0]:.6g} s{table.at(rows[first + 1])}; marked as lost",
     )
 
 
@@ -250,7 +251,7 @@ def _in_order(
         if _jumps(time[order]) > _jumps(time):
             raise _set_back(table, column, time, rows, int(back[0]) + 1)
         time, rows = time[order], rows[order]
-        notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
+        notes.append(f"{counted(len(back), 'row', 'rows')} out of order: sorted by the time stamps")
     same = np.flatnonzero(np.diff(time) == 0.0) + 1
     if not len(same):
         return time, rows
@@ -262,12 +263,14 @@ def _in_order(
         line = table.line(int(rows[same[0]]))
         alike = "" if len(twice) == len(same) else " (with other values)"
         notes.append(
-            f"{len(same)} rows repeat the time stamp before them{alike}"
+            f"{counted(len(same), 'row repeats', 'rows repeat')} the time stamp of the row before{alike}"
             + (f", first in line {line}" if line else "")
             + "; the repetitions were left out"
         )
         return time[keep], rows[keep]
-    notes.append(f"{len(same)} time stamps equal the one before: the stamps are coarser than the sampling")
+    notes.append(
+        f"{counted(len(same), 'time stamp equals', 'time stamps equal')} the one before: coarser than the sampling"
+    )
     return time, rows
 
 

@@ -113,8 +113,9 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
             f"The model explains all but {whole}. That is too little to be worth a name, although the reduced chi-square is "
             f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
+    counts = f"which is {floor}" if baseline.floor_is_sure else f"which counts as noise: {floor} is a guess"
     return (
-        f"The model leaves a reduced chi-square of {left}, which is {floor}; "
+        f"The model leaves a reduced chi-square of {left}, {counts}; "
         "no effect of the library lowers it by more than chance would."
     )
 
@@ -301,7 +302,7 @@ def _unknown(
     if best is not None and baseline.adequate(best.fit):
         return first
     if shape is None or not shape.coordinates:
-        return f"{first} No smooth force in displacement, velocity or time explains it either."
+        return f"{first} No smooth force in displacement, velocity or time alone explains it."
     peak = shape.shapes[0]
     at = int(np.argmax(np.abs(peak.force) / np.maximum(peak.std, 1e-300)))
     unit = baseline.fit.windows[0].unit

@@ -27,12 +27,12 @@ PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 NO_NAME, BESIDE = "a law without a name instead", "a law without a name beside the first"
 DECIDED = {
-    "named": "it has a name",
-    "nothing": "no law with a name is better than such a drift",
-    "no name": "something without a name",
-    "may drift": "a law of the amplitude or of time",
-    "too many": "too many laws are not distinguishable",
-    "leaves drift": "no name, because a drift is left above the noise",
+    "named": "The effect has a name",
+    "nothing": "No law with a name is better than such a drift",
+    "no name": "Something without a name is missing",
+    "may drift": "Not decided: a law of the amplitude or of time",
+    "too many": "Not decided: too many laws are not distinguishable",
+    "leaves drift": "No name, because a drift is left above the noise",
 }
 
 
@@ -128,7 +128,7 @@ def evidence(decided: DecidedDocument) -> Table:
         rows.append((BESIDE, three_figures(decided.beside), ""))
     of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
     of = f" in the curve of {decided.explains}" if decided.explains else of
-    caption = f"Evidence{of} beyond a random drift of spring and damper. Decided: {DECIDED[decided.verdict]}"
+    caption = f"Evidence{of} beyond a random drift of spring and damper. {DECIDED[decided.verdict]}"
     return Table(caption, ("law", "nats", "nats behind the first"), tuple(rows))
 
 

@@ -115,7 +115,8 @@ def test_what_a_refusal_suggests_is_what_a_shell_takes(capsys):
 
 
 def test_stamps_that_were_put_on_an_even_clock_are_not_to_be_put_there(capsys):
-    written("strays.csv", "t (s),x (mm)", T + 0.004 * np.sin(np.arange(N) ** 2.0), 9.0 * DECAY)
+    strays = T + 0.004 * np.sin(np.arange(N) ** 2.0)
+    written("strays.csv", "t (s),x (mm)", strays, 9.0 * np.interp(strays, T, DECAY))
     assert run(["import", "strays.csv"]) == 2
     assert "with --resample" in capsys.readouterr().err
     notes = " ".join(imported(capsys, "strays.csv", "--accept")["notes"])
