@@ -60,10 +60,11 @@ def open_sessions(
     ready, left_out = of_each(
         sessions, lambda session: prepare_session(session, settings, beside_others=several)
     )
-    if not ready:
-        raise NotIdentifiable("; ".join(by_reason(left_out)))
     if several and len(ready) == 1:  # alone after all, by the rule for one
-        ready = [(ready[0][0], prepare_session(ready[0][0], settings))]
+        ready, too_short = of_each([ready[0][0]], lambda session: prepare_session(session, settings))
+        left_out |= too_short
+    if not ready:
+        raise NotIdentifiable(" ".join(by_reason(left_out)))
     sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
     _check_alike(sessions, decays)
     order = largest_first(decays)
