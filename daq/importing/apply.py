@@ -10,8 +10,9 @@ from daq.importing.bob import angle_of
 from daq.importing.errors import ImportProblem, problem, require_few
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.runs import MOST_RUNS, of_each, part_of, pieces, rows_of
+from daq.importing.stamps import NoClock
 from daq.importing.table import SourceColumn, Table, listed
-from daq.importing.timebase import NoClock, Timebase, find_gaps, from_rate, from_stamps, on_clock
+from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
 from daq.recording import MOTIONS, Array, Channel, Recording

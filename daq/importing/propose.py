@@ -17,8 +17,8 @@ from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
 from daq.importing.runs import find_runs, of_each
+from daq.importing.stamps import guess_time_unit
 from daq.importing.table import SourceColumn, Table
-from daq.importing.timebase import guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
 

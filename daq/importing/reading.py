@@ -12,8 +12,8 @@ from daq.importing.matlab import is_matlab, read_matlab
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful, Proposal, propose
 from daq.importing.recipe import Recipe
+from daq.importing.stamps import NoClock
 from daq.importing.table import Table
-from daq.importing.timebase import NoClock
 from daq.importing.uff58 import is_uff, read_uff
 from daq.recording import Recording
 
