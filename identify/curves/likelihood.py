@@ -83,14 +83,15 @@ class Products:
     noise: tuple[float, ...]
     parts: tuple[Part, ...]
     scatter: float = 0.0
-    made: dict[tuple[int, int], tuple[Array, float]] = field(default_factory=dict)
+    made: dict[tuple[int, int, float, float], tuple[Array, float]] = field(default_factory=dict)
     beside: dict[tuple[Added, tuple[int, ...], Settings], Array] = field(default_factory=dict)
 
     def __call__(self, channel: int, walk: int) -> tuple[Array, float]:
         """Return the products and the logarithm of the noise's determinant, for one size of the walk."""
-        if (channel, walk) not in self.made:
-            self.made[channel, walk] = self._make(channel, float(SIZES[walk]))
-        return self.made[channel, walk]
+        key = channel, walk, self.noise[channel], self.noise[-1]
+        if key not in self.made:
+            self.made[key] = self._make(channel, float(SIZES[walk]))
+        return self.made[key]
 
     def joined(self, laws: Iterable[int], settings: Settings) -> tuple[Array, float]:
         """Add the products of all channels, and the logarithms of their noise's determinants.
@@ -333,10 +334,11 @@ class CurveLikelihood:
 
     def _fit_noise(self) -> None:
         """Find the likeliest noise where nothing is named, and the likeliest sizes with it."""
+        begun = self.products(self.observed, self.base)
 
         def nats(places: Settings) -> float:
             self.noise = self._noise_at(places)
-            products = self.products(self.observed, self.base)
+            products = replace(begun, noise=self.noise)
             try:
                 found, self._begin = _climb(lambda s: self._nats(products, Added(), s), self._begin)
             except LinAlgError:
