@@ -33,6 +33,9 @@ TURN = 2.0 * float(np.pi)
 MOST_DEGREES = 720.0
 """No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
 
+MOST_METRES = 5.0
+"""No rig swings by more metres to either side: such numbers are in another unit."""
+
 _EXAMPLES = {
     "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
     "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
@@ -149,6 +152,19 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     if only is not None and options.columns and meaning(only.label, only.unit).quantity is None:
         default = default or "counts"  # nothing but an option says what it is
     units = {q: _unit_of(table, q, columns[q], options, default, notes) for q in ORDER if q in columns}
+    swings = columns.get("displacement")
+    if (
+        swings is not None
+        and not swings.said.unit
+        and units["displacement"] == "m"
+        and "displacement" not in options.units
+    ):
+        far = _swing(swings)
+        if far > MOST_METRES:
+            doubts.append(
+                f"{swings.place} names no unit and swings by {far:.3g} to either side, too far for metres; say its unit, "
+                "as in --unit displacement=deg"
+            )
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
         if options.rate is not None:

@@ -312,7 +312,7 @@ def test_json_channels_name_themselves_and_their_units_by_any_of_the_usual_keys(
 
 
 def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_path: Path) -> None:
-    rows = [[t, None if i == 7 else x] for i, (t, x) in enumerate(ROWS)]
+    rows = [[t, None if i == 7 else 0.01 * x] for i, (t, x) in enumerate(ROWS)]
     recording = load(tmp_path, json.dumps({"data": [["t", "x"], *rows]}), "a.json")
     assert np.flatnonzero(~recording.valid).tolist() == [7]
     assert "holds no table of numbers" in refusal(tmp_path, '{"a": [1, 2], "b": "text"}', "a.json")
@@ -504,7 +504,10 @@ def test_a_column_of_which_only_an_option_says_what_it_is_has_no_unit(tmp_path: 
     t, u, _, _ = swing()
     text = table("time,cx,x", t, 500.0 + 2e4 * u, 2e4 * u)
     assert load(tmp_path, text, columns={"displacement": "cx"}).channels[0].unit == "count"
-    assert load(tmp_path, text, columns={"displacement": "x"}).channels[0].unit == "m"
+    with pytest.raises(ImportProblem, match="column 3 'x' names no unit and swings by .* too far for metres"):
+        load(tmp_path, text, columns={"displacement": "x"})
+    small = table("time,cx,x", t, 500.0 + 2e4 * u, 0.1 * u)
+    assert load(tmp_path, small, columns={"displacement": "x"}).channels[0].unit == "m"
 
 
 def test_a_column_that_counts_its_rows_is_no_time_without_a_unit(tmp_path: Path) -> None:
