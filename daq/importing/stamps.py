@@ -81,22 +81,25 @@ def in_order(
 ) -> tuple[Array, Index]:
     """Return stamps that never fall: rows written twice are dropped, rows slightly out of order are sorted.
 
-    `even` rows are in order, whatever their stamps say.
+    A clock that was set back goes on where the rows are said to be `even`.
     """
     steps = np.diff(time)
     if np.all(steps > 0.0):
         return time, rows
     back = np.flatnonzero(steps < 0.0)
     typical = float(np.median(np.abs(steps)))
-    if len(back) and not even:
+    if len(back):
         depth = float(np.max(np.maximum.accumulate(time) - time))
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
             raise _begins_again(table, column, time, rows)
         order = np.argsort(time, kind="stable")
-        if _jumps(time[order]) > _jumps(time):
+        if _jumps(time[order]) <= _jumps(time):
+            time, rows = time[order], rows[order]
+            notes.append(f"{counted(len(back), 'row', 'rows')} out of order: sorted by the time stamps")
+        elif even:
+            time = time + np.append(0.0, np.cumsum(np.where(steps < 0.0, typical - steps, 0.0)))
+        else:
             raise _set_back(table, column, time, rows, int(back[0]) + 1)
-        time, rows = time[order], rows[order]
-        notes.append(f"{counted(len(back), 'row', 'rows')} out of order: sorted by the time stamps")
     same = np.flatnonzero(np.diff(time) == 0.0) + 1
     if not len(same):
         return time, rows
@@ -120,23 +123,23 @@ def in_order(
 
 
 def _jumps(time: Array) -> int:
-    """Count the steps of a clock that are off the usual one by half of it."""
+    """Count the steps of a clock that are off the usual one by nearly half of it."""
     steps = np.diff(time)
     usual = float(np.median(steps))
-    return int(np.count_nonzero(np.abs(steps - usual) > 0.5 * usual))
+    return int(np.count_nonzero(np.abs(steps - usual) > 0.45 * usual))
 
 
 def _stray(time: Array) -> float:
     """Return how far stamps stray from an even clock without holes (rms, s)."""
-    return even_line(np.arange(len(time)), time, np.ones(len(time)))[2]
+    return even_line(np.arange(len(time)), time)[2]
 
 
-def even_line(index: Index, time: Array, rounding: Array) -> tuple[float, float, float, float]:
+def even_line(index: Index, time: Array, weight: Array | None = None) -> tuple[float, float, float, float]:
     """Fit an even clock to stamps; return its period, start, rms of the stamps about it, and the standard error of the rate.
 
-    Stamps weigh by what they may be off (n,), and the rms by the same weights.
+    Stamps, and the rms, may have a `weight` (n,) each.
     """
-    weight = rounding**-2.0 / np.mean(rounding**-2.0)
+    weight = np.ones(len(time)) if weight is None else weight / np.mean(weight)
     centre, middle = np.average(index, weights=weight), np.average(time, weights=weight)
     k, t = index - centre, time - middle
     spread = float(weight @ k**2)

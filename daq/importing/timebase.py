@@ -79,10 +79,18 @@ def from_stamps(
             USE_RATE,
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
-    rounding = _rounding(time, period)
-    index = rows - rows.min() if even else _number_samples(table, column, time, rows, period, rounding)
-    slope, start, stray, rate_std = even_line(index, time, rounding)
-    coarse = bool(np.max(np.abs(time - start - slope * index) / rounding) < 1.1)
+    rounding = _rounding(np.abs(column.values[rows]) * unit.scale)
+    told = np.maximum(rounding, TOLD * period)
+    weight = told**-2.0
+    index = (
+        np.sort(rows) - rows.min()
+        if even
+        else _number_samples(table, column, time, rows, period, rounding, weight)
+    )
+    slope, start, _, _ = even_line(index, time, weight)
+    within = bool(np.all(np.abs(time - start - slope * index) < 1.1 * told))
+    slope, start, stray, rate_std = even_line(index, time)
+    coarse = within and stray < np.max(rounding)
     uneven = stray > EVEN * slope
     spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
@@ -191,22 +199,25 @@ def _strays(stray: float, slope: float) -> str:
     )
 
 
-def _rounding(time: Array, period: float) -> Array:
-    """Return what each stamp (n,) may be off by its digits, s, and no less than what matters beside a period.
-
-    Stamps that keep significant digits are rounded more from one decade to the next.
-    """
-    rounding = np.full(len(time), quantum(time))
-    decade = np.floor(np.log10(np.maximum(time, 1e-300)))
-    for edge in np.unique(decade[time > 0.0])[:-1]:
+def _rounding(stamps: Array) -> Array:
+    """Return what each stamp (n,), as it is written, may be off by its digits, s; significant ones round more by decades."""
+    rounding = np.full(len(stamps), quantum(stamps))
+    decade = np.floor(np.log10(np.maximum(stamps, 1e-300)))
+    for edge in np.unique(decade[stamps > 0.0])[:-1]:
         early = decade <= edge
         if np.count_nonzero(early) >= FEWEST_IN_A_DECADE:
-            rounding[early] = np.minimum(rounding[early], quantum(time[early]))
-    return np.asarray(np.maximum(rounding, TOLD * period))
+            rounding[early] = np.minimum(rounding[early], quantum(stamps[early]))
+    return rounding
 
 
 def _number_samples(
-    table: Table, column: SourceColumn, time: Array, rows: Index, period: float, rounding: Array
+    table: Table,
+    column: SourceColumn,
+    time: Array,
+    rows: Index,
+    period: float,
+    rounding: Array,
+    weight: Array,
 ) -> Index:
     """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even.
 
@@ -225,12 +236,13 @@ def _number_samples(
             line=table.line(int(rows[worst + 1])), column=column.number,
         )  # fmt: skip
     rounded = np.abs(np.diff(time) - period) < 1.1 * rounding[1:]
-    found, stray = plain, even_line(plain, time, rounding)[2]
-    for one in (np.where(rounded, 1.0, steps), steps):
-        holed = np.concatenate(([0], np.cumsum(one))).astype(np.int64)
-        left = even_line(holed, time, rounding)[2]
-        found, stray = (holed, left) if left < 0.5 * stray else (found, stray)
-    return found
+    holed = [
+        np.concatenate(([0], np.cumsum(one))).astype(np.int64)
+        for one in (steps, np.where(rounded, 1.0, steps))
+    ]
+    strays = [even_line(one, time, weight)[2] for one in (*holed, plain)]
+    best = int(np.argmin(strays[:-1]))
+    return holed[best] if strays[best] < 0.5 * strays[-1] else plain
 
 
 def on_clock(values: Array, clock: Timebase) -> tuple[Array, Mask]:

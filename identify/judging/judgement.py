@@ -14,7 +14,7 @@ from identify.judging.beside_walk import named_with_walk, weighed, with_walk
 from identify.judging.floor_not_reached import at_a_guess, by_curves, line_beside, unclaimed
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
-from identify.judging.several_effects import Several, several_effects
+from identify.judging.several_effects import Several, pair_instead, several_effects
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import Candidate, score_candidate, try_terms
 from identify.judging.verdict import Judgement, verdict_of
@@ -78,7 +78,7 @@ def _judged(
     | who reaches the floor | sure floor | guessed floor |
     |---|---|---|
     | the model, and nothing that makes sense is claimed | nothing is missing | the same |
-    | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess` |
+    | the best claim, with values that make sense | it is named, if it passes `weighed` | `at_a_guess`, or two simpler |
     | the best claim, with other values | no name | the same |
     | several effects together | they are named, if each passes `weighed` | the same; else `by_curves` |
     | none | the best claim is named, if it passes `weighed`, or one with a walk; else `by_curves` | `by_curves` |
@@ -92,13 +92,16 @@ def _judged(
     if baseline.floor_is_sure:
         kept = _at_a_sure_floor(baseline, ranked, library)
     elif reached and best.plausible:
-        return at_a_guess(baseline, Judgement(verdict_of(best), ranked, best.fit), curves)
+        alone = at_a_guess(baseline, Judgement(verdict_of(best), ranked, best.fit), curves)
+        kept = _pair_instead(baseline, alone, library)
+        if kept is None:
+            return alone
     elif not reached and curves.driven is None:
         kept = _together(baseline, ranked, library)
     if kept is not None and kept.stands:
         return kept
     decided = () if kept is None else kept.decided
-    if not reached:
+    if not reached or (kept is not None and not baseline.floor_is_sure):
         found = by_curves(baseline, ranked, curves, best.fit)
         return found if found.verdict == "missing_effect" else replace(found, decided=decided)
     shape = free_form(baseline, baseline.fit)
@@ -120,6 +123,20 @@ def _at_a_sure_floor(
     if kept is not None and kept.stands and kept.walk is None:
         return kept
     return named_with_walk(baseline, ranked) or kept
+
+
+def _pair_instead(baseline: Baseline, alone: Judgement, library: tuple[Effect, ...]) -> Judgement | None:
+    """Weigh two forces in place of one that reaches a guessed floor by several constants of its own; None if it stays.
+
+    Of one constant each they cost no more.
+    """
+    first = alone.ranked[0]
+    if alone.verdict != "missing_effect" or first.term.effect.line or len(first.term.free) < 2:
+        return None
+    found = pair_instead(baseline, first, alone.ranked, library)
+    if found is None:
+        return None
+    return weighed(baseline, _of_several(baseline, alone.ranked, found))
 
 
 def _together(

@@ -504,7 +504,9 @@ def test_a_column_of_which_only_an_option_says_what_it_is_has_no_unit(tmp_path: 
     t, u, _, _ = swing()
     text = table("time,cx,x", t, 500.0 + 2e4 * u, 2e4 * u)
     assert load(tmp_path, text, columns={"displacement": "cx"}).channels[0].unit == "count"
-    with pytest.raises(ImportProblem, match="column 3 'x' names no unit and swings by .* too far for metres"):
+    with pytest.raises(
+        ImportProblem, match=r"column 3 'x' names no unit and swings by .* too far for metres"
+    ):
         load(tmp_path, text, columns={"displacement": "x"})
     small = table("time,cx,x", t, 500.0 + 2e4 * u, 0.1 * u)
     assert load(tmp_path, small, columns={"displacement": "x"}).channels[0].unit == "m"

@@ -283,6 +283,7 @@ def test_a_clock_that_is_set_back_leaves_the_rows_in_their_order(tmp_path: Path)
     assert "set back from 5.38 s to 5.325 s, and the rows go on evenly" in refusal(tmp_path, text)
     recording = load(tmp_path, text, accept=True)
     assert recording.samples[0].tolist() == pytest.approx(np.cos(5.0 * at).tolist(), abs=1e-6)
+    assert recording.rate == pytest.approx(50.0, rel=1e-4)
 
 
 def test_no_spline_is_drawn_through_stamps_that_are_mostly_equal(tmp_path: Path) -> None:
