@@ -70,9 +70,12 @@ def from_stamps(
     notes: list[str] = []
     time, rows = read_stamps(table, column, unit, notes)
     time, rows = in_order(table, column, time, rows, values, notes, even=even)
-    period = float(np.median(np.diff(time)))
-    if not period > 0.0:
-        period = float(time[-1] - time[0]) / (len(time) - 1)
+    steps = np.diff(time)
+    period = float(np.median(steps))
+    if period > 0.0:  # rounded as the stamps are, but not on the average
+        period = float(np.mean(steps[np.abs(steps - period) < 0.5 * period]))
+    else:
+        period = float(time[-1] - time[0]) / len(steps)
     if not period > SHORTEST_PERIOD:
         raise problem(
             table.path, "the time stamps do not advance",
