@@ -14,6 +14,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.segments import prepared_of
 from identify.free_decay import FreeDecay
 from identify.model.model import Model
+from identify.model.parameter_id import values_in_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 Role = Literal["usual", "named", "rival"]
@@ -40,7 +41,9 @@ class Law:
         """Take the law of a model's forces, without the faults of its sensors."""
         forces = Model(model.forces)
         known = {str(term.parameter(p.name)) for term in forces.terms for p in term.free}
-        return cls(name, role, forces, {key: value for key, value in values.items() if key in known})
+        return cls(
+            name, role, forces, {key: v for key, v in values.items() if key.partition("[")[0] in known}
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +84,12 @@ def decay_curves(
 def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[AmplitudeCurve, ...]:
     curves = []
     for one in found:
-        run = simulated_curve(one, law.model, law.values)
+        run = simulated_curve(one, law.model, values_in_release(law.values, one.place))
         for _ in range(_ROUNDS if own_linear else 0):
             if run is None:
                 break
             own = _set_to(one.curve, run, law)
-            again = simulated_curve(one, law.model, own.values)
+            again = simulated_curve(one, law.model, values_in_release(own.values, one.place))
             if again is None:
                 break
             law, run = own, again

@@ -172,8 +172,8 @@ class _Cycle:
         covariance = fit.covariance[np.ix_(known, known)]
         std = np.sqrt(np.maximum(np.einsum("pij,pq,qij->ij", gradient, covariance, gradient), 0.0))
         for i, term in enumerate(self.terms):
-            own = [fit.values[str(term.in_release(p, 0, len(fit.windows)))] for p in term.free]
-            if not all(np.isfinite(value.std) for value in own):
+            own = fit.of(term, 0)
+            if not all(np.isfinite(own[p.name].std) for p in term.free):
                 std[i] = np.inf
         return np.asarray(std)
 
@@ -189,7 +189,7 @@ class _Cycle:
 
 def _at(found: Fit, amplitude: float, time: float, unit: str, mass: float | None) -> AmplitudeShares | None:
     shared = {name: estimate.value for name, estimate in found.parameters.items()}
-    values = values_in_release(shared, 0, len(found.windows))
+    values = values_in_release(shared, 0)
     spring = found.model.linear_strength(LinearPart.STIFFNESS)
     terms = tuple(t for t in found.model.forces if t.force.linear_part is not LinearPart.STIFFNESS)
     if not terms:

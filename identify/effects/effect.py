@@ -18,8 +18,8 @@ class Parameter:
     """One number of an effect.
 
     In `unit`, "m" stands for the unit of the displacement and is replaced by it (rad, V), "reading" for the unit of
-    the channel that a sensor's fault sits in. `low` and `high` are what physics allows. One `of_release` has a value of its
-    own in each release.
+    the channel that a sensor's fault sits in. `low` and `high` are what physics allows. A force's `of_release` has a
+    value of its own in each release.
     """
 
     name: str

@@ -17,6 +17,7 @@ from identify.fitting.own_linear import own_springs
 from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
 from identify.model.model import Model
 from identify.model.parameter_id import values_in_release
+from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.noise import Noise, stale
 from identify.preprocessing.noise_colour import SHORTEST
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -265,7 +266,7 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
 def force_along_motion(prepared: PreparedDecay, found: Fit, i: int) -> Array:
     """Return the force per unit mass of a fitted model along the motion of window i, strengths by equation error, (n,)."""
     parameters = {name: estimate.value for name, estimate in found.parameters.items()}
-    inner = values_in_release(parameters, i, len(found.windows))
+    inner = values_in_release(parameters, release_numbers(found.windows)[0][i])
     return prepared.restoring - regress_model(prepared, found.model, inner).residual
 
 

@@ -93,7 +93,13 @@ class Fit:
         own = [u for u in self.unknowns if u.id.effect == term.effect.name and u.id.role == "parameter"]
         if release is None:
             return {u.id.in_effect: self.values[u.name] for u in own}
-        return {u.id.parameter: self.values[u.name] for u in own if u.window in (-1, release)}
+        return {u.id.parameter: self.values[u.name] for u in own if self._is_in(u, release)}
+
+    def _is_in(self, unknown: Unknown, place: int) -> bool:
+        """Check whether a window has an unknown, which it may share with others."""
+        if unknown.whole_release:
+            return self.windows[unknown.window].release == self.windows[place].release
+        return unknown.window in (-1, place)
 
     def quoted(self, term: Term, release: int | None = None) -> dict[str, Estimate]:
         """Return the parameters of one term as `of` does, with those that are held: they are exact."""
@@ -125,7 +131,7 @@ class Fit:
         for u, value in zip(self.unknowns, self.theta.tolist(), strict=True):
             if u.window < 0:
                 found[u.name] = value
-            elif u.deviates >= 0:
+            elif u.whole_release:
                 release = self.windows[u.window].release
                 if release in releases:
                     found[str(u.id.of_release(releases.index(release), len(releases)))] = value

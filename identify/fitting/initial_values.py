@@ -9,6 +9,7 @@ from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance, values_in_release
 from identify.preprocessing.equation_error import Regression, moving, regress
+from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 
@@ -32,8 +33,9 @@ def initial_nuisances(
     values: dict[str, float] = {}
     if any(prepared.window.estimates_mass for prepared in decays):
         values[str(nuisance("force_gain"))] = 1.0
+    numbers, _ = release_numbers([prepared.window for prepared in decays])
     for i, prepared in enumerate(decays):
-        own = _of_release(prepared, model.forces, values_in_release(inner, i, len(decays)))
+        own = _of_release(prepared, model.forces, values_in_release(inner, numbers[i]))
         values |= {str(id.of_release(i, len(decays))): value for id, value in own.items()}
     return values
 
@@ -83,8 +85,11 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
     One that would leave its bounds is held there and the others are found anew: a dry friction that came out negative
     and was only cut off would leave the viscous damping twice too large.
     """
-    count = len(decays)
-    rows = [_rows(one, model, values_in_release(inner, i, count)) for i, one in enumerate(decays)]
+    numbers, _ = release_numbers([prepared.window for prepared in decays])
+    rows = [
+        _rows(one, model, values_in_release(inner, number))
+        for one, number in zip(decays, numbers, strict=True)
+    ]
     design, restoring = np.vstack([d for d, _ in rows]), np.concatenate([r for _, r in rows])
     low, high = np.full(design.shape[1], -np.inf), np.full(design.shape[1], np.inf)
     for i, term in enumerate(model.forces):

@@ -13,11 +13,11 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.force_effect import LinearPart
-from identify.fitting.parameter_layout import OWN_STIFFNESS, Unknown, windows_by_release
+from identify.fitting.parameter_layout import OWN_STIFFNESS, Unknown
 from identify.fitting.problem import Problem
 from identify.model.model import Model
 from identify.model.parameter_id import nuisance
-from identify.preprocessing.fit_window import FitWindow, OwnLinear
+from identify.preprocessing.fit_window import FitWindow, OwnLinear, windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DAMPING_VARIES, STIFFNESS_VARIES
 from identify.signal.oscillation import running_amplitude

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from identify.effects.force_effect import LinearPart
 from identify.free_decay import CHANNELS
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
-from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.fit_window import FitWindow, release_numbers, windows_by_release
 
 _READING = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 NOWHERE = -1
@@ -28,8 +28,8 @@ class Unknown:
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
     how it is read. One that `deviates` from a shared unknown, at that place, is what that is in one release beyond what it
-    is in all, and belongs to the first of its windows; `std` is the standard deviation of its prior, divided by the root of
-    the weight of that.
+    is in all; `std` is the standard deviation of its prior, divided by the root of
+    the weight of that. One of a `whole_release` belongs to the first of its windows.
     """
 
     id: ParameterId
@@ -41,6 +41,7 @@ class Unknown:
     simulated: bool = True
     deviates: int = NOWHERE
     std: float = np.inf
+    whole_release: bool = False
 
     @cached_property
     def name(self) -> str:
@@ -74,14 +75,6 @@ class ReleasePlaces:
     faults: tuple[tuple[Term, list[int]], ...]
 
 
-def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...]]:
-    """Return the places of the windows of each release, by its number."""
-    found: dict[int, tuple[int, ...]] = {}
-    for i, window in enumerate(windows):
-        found[window.release] = (*found.get(window.release, ()), i)
-    return found
-
-
 class ParameterLayout:
     """The unknowns of a model on windows whose motion has an angular `frequency` (rad/s), physics first.
 
@@ -95,6 +88,8 @@ class ParameterLayout:
         self.unknowns: list[Unknown] = []
         self._model, self._frequency = model, frequency
         self._unit, self._count = windows[0].unit, len(windows)
+        self._of_forces: dict[int, tuple[Cell, ...]] = {}
+        self._releases = release_numbers(windows)
         self._amplitude = max(amplitude_of(window, frequency) for window in windows)
         self.forces = tuple(term for term in model.forces if term.force.linear_part is None)
         self.linear = self._physics()
@@ -183,7 +178,8 @@ class ParameterLayout:
                     continue
                 id, unit = nuisance(name, number, len(groups)), self.unknowns[shared].unit
                 weighed = std / float(np.sqrt(own.weight))
-                self._add(Unknown(id, unit, size=std, window=places[0], deviates=shared, std=weighed))
+                own_part = Unknown(id, unit, size=std, window=places[0], deviates=shared, std=weighed)
+                self._add(replace(own_part, whole_release=True))
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
         """Add the internal states at the start of a window that the motion before the release does not give."""
@@ -199,14 +195,19 @@ class ParameterLayout:
         return tuple(cells)
 
     def _own_of_forces(self, i: int) -> tuple[Cell, ...]:
-        """Add the parameters of forces that each window has of its own."""
-        cells = []
+        """Add the parameters of forces that the release of a window has of its own, once for all its windows."""
+        numbers, count = self._releases
+        number, cells = numbers[i], list[Cell]()
+        if number in self._of_forces:
+            return self._of_forces[number]
         for row, term in enumerate(self.forces):
             for parameter in (p for p in term.free if p.of_release):
-                id, unit = term.in_release(parameter, i, self._count), in_unit(parameter.unit, self._unit)
-                own = Unknown(id, unit, parameter.low, parameter.high, _size_of(parameter), i)
+                id, unit = term.in_release(parameter, number, count), in_unit(parameter.unit, self._unit)
+                low, high, size = parameter.low, parameter.high, _size_of(parameter)
+                own = Unknown(id, unit, low, high, size, i, whole_release=True)
                 cells.append(Cell(row, term.effect.index(parameter.name), self._add(own)))
-        return tuple(cells)
+        self._of_forces[number] = tuple(cells)
+        return self._of_forces[number]
 
     def _faults(self, i: int, window: FitWindow) -> tuple[tuple[Term, list[int]], ...]:
         """Add the parameters of the sensors' faults that the channels of a window can show."""
@@ -218,7 +219,7 @@ class ParameterLayout:
             places = [
                 self._add(
                     Unknown(
-                        term.in_release(parameter, i, self._count),
+                        term.parameter(parameter.name).of_release(i, self._count),
                         re.sub(r"\((\w+)\)", r"\1", parameter.unit.replace("reading", reading)),
                         parameter.low,
                         parameter.high,

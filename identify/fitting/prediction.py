@@ -111,9 +111,10 @@ def _own_values(model: Model, known: Mapping[str, float], count: int) -> dict[st
     start: dict[str, float] = {}
     for term in model.terms:
         for parameter in (p for p in term.free if p.of_release or not term.is_force):
-            value = known.get(
-                str(term.parameter(parameter.name)), known.get(str(term.parameter(parameter.name, 0)))
-            )
-            if value is not None or term.is_force:
-                start |= {str(term.in_release(parameter, i, count)): value or 0.0 for i in range(count)}
+            id = term.parameter(parameter.name)
+            value = known.get(str(id), known.get(str(term.parameter(parameter.name, 0))))
+            if term.is_force:
+                start[str(id)] = value or 0.0
+            elif value is not None:
+                start |= {str(id.of_release(i, count)): value for i in range(count)}
     return start

@@ -71,8 +71,9 @@ class Problem:
         self._own = [[j for j in self.expected if release[self.unknowns[j].window] == one] for one in release]
         moves: list[tuple[int, ...] | None]
         moves = [None if u.window == NOWHERE else (u.window,) for u in self.unknowns]
-        for j in self.expected:
-            moves[j] = tuple(i for i, own in enumerate(self._own) if j in own)
+        for j, u in enumerate(self.unknowns):
+            if u.whole_release:
+                moves[j] = tuple(i for i, one in enumerate(release) if one == release[u.window])
         self.pattern = BlockPattern.of(moves, len(windows), self.expected)
         strengths = {str(term.strength) for term in model.forces}
         self._strengths = [i for i, u in enumerate(self.unknowns) if u.name in strengths]

@@ -10,12 +10,12 @@ from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.fit import Fit, fit
-from identify.fitting.parameter_layout import windows_by_release
 from identify.fitting.prediction import Prediction, predict, predict_windows
 from identify.fitting.segments import prepared_of, segments_of
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
+from identify.preprocessing.fit_window import windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 

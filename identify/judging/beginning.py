@@ -33,6 +33,7 @@ from identify.judging.linear_gain import (
 from identify.model.model import Term
 from identify.model.parameter_id import nuisance, values_in_release
 from identify.preprocessing.equation_error import Regression
+from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _STARTS = 3
@@ -141,7 +142,7 @@ def _promising(
     )[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
-            own = values_in_release(inner, decays.index(largest), len(decays))
+            own = values_in_release(inner, _number(decays, largest))
             point[strength] = weak_strength(largest, term, own) or 0.0
         if is_near(base):
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
@@ -171,7 +172,7 @@ def _not_from_rest(
         }
         point = initial_nuisances(decays, model, values) | values
         for i, decay in enumerate(decays):
-            own = values_in_release(values, i, len(decays))
+            own = values_in_release(values, _number(decays, decay))
             for j, off in enumerate(regress_states(decay, model, own, term)[1].tolist()):
                 name = str(term.state(j).of_release(i, len(decays)))
                 point[name] = point.get(name, 0.0) + off
@@ -181,6 +182,11 @@ def _not_from_rest(
 
 def _largest(decays: tuple[PreparedDecay, ...]) -> PreparedDecay:
     return max(decays, key=lambda prepared: prepared.amplitude)
+
+
+def _number(decays: tuple[PreparedDecay, ...], decay: PreparedDecay) -> int:
+    """Return the number of the release, among those of some decays, that one of them belongs to."""
+    return release_numbers([one.window for one in decays])[0][decays.index(decay)]
 
 
 def _ranked(
@@ -197,13 +203,13 @@ def _ranked(
 
     What is left is infinite where the force would have an impossible strength.
     """
-    largest = decays.index(_largest(decays))
+    largest = _number(decays, _largest(decays))
     place, strength = problem.model.forces.index(term), term.effect.strength
     physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked = []
     for start in starts:
         inner = physics | in_releases(base, term, start)
-        found = regressed(values_in_release(inner, largest, len(decays)))
+        found = regressed(values_in_release(inner, largest))
         possible = strength.low <= found.strengths[place] <= strength.high
         ranked.append((found.rss if possible else np.inf, found.strengths.tolist(), inner))
     return sorted(ranked, key=lambda entry: entry[0])

@@ -20,6 +20,7 @@ from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.model.parameter_id import values_in_release
+from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 
@@ -45,16 +46,16 @@ def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, floa
     for i in range(count):
         several = term.effect.line and count > 1
         own = _line_of_release(base, term, term.channel, start, i) if several else start
-        point |= {str(term.in_release(p, i, count)): own[p.name] for p in term.free if p.name in own}
+        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in own.items()}
     return point
 
 
 def in_releases(base: Fit, term: Term, start: dict[str, float], first: int = 0) -> dict[str, float]:
-    """Return the values of a force in all releases, by unknown's name, from those in the `first`, by their own.
+    """Return the values of a force in all releases, by unknown's name, from those in one window's, by their own.
 
     The phase of a line is ahead of the residual's by the same right angles in each.
     """
-    values, count = term.by_name(start), len(base.windows)
+    values, (numbers, count) = term.by_name(start), release_numbers(base.windows)
     for phase in (p for p in term.free if p.of_release and count > 1):
         seen = [
             _line_of_release(base, term, window.channels[0], start, i)[phase.name]
@@ -62,8 +63,8 @@ def in_releases(base: Fit, term: Term, start: dict[str, float], first: int = 0) 
         ]
         quarters = np.rint((values.pop(str(term.parameter(phase.name))) - seen[first]) / (0.5 * np.pi))
         values |= {
-            str(term.in_release(phase, i, count)): float((own + 0.5 * np.pi * quarters) % (2.0 * np.pi))
-            for i, own in enumerate(seen)
+            str(term.in_release(phase, number, count)): float((own + 0.5 * np.pi * quarters) % (2.0 * np.pi))
+            for number, own in zip(numbers, seen, strict=True)
         }
     return values
 
@@ -99,7 +100,8 @@ def probes(
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun, count = in_releases(base, term, start), len(base.windows)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    strength = weak_strength(largest, term, values_in_release(inner, decays.index(largest), count))
+    number = release_numbers(base.windows)[0][decays.index(largest)]
+    strength = weak_strength(largest, term, values_in_release(inner, number))
     if strength is None:
         return []
     states = states_of_term(base, term, inner)

@@ -15,9 +15,10 @@ from identify.estimate import Estimate
 from identify.fitting.baseline import Baseline, refit_at_floor
 from identify.fitting.fit import Fit, fit
 from identify.fitting.own_linear import with_own_linear, without_own_linear
-from identify.fitting.parameter_layout import OWN_STIFFNESS, windows_by_release
+from identify.fitting.parameter_layout import OWN_STIFFNESS
 from identify.formatting import three_figures
 from identify.judging.suspects import Candidate
+from identify.preprocessing.fit_window import windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT_AT_A_GUESS, RIVALS_WITHIN
 

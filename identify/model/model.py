@@ -62,9 +62,9 @@ class Term:
         return ParameterId(self.effect.name, name, release)
 
     def in_release(self, parameter: Parameter, release: int, count: int) -> ParameterId:
-        """Return the identity of a parameter in one of `count` releases; of a force they share all but a few."""
+        """Return the identity of a force's parameter in one of `count` releases, which share all but a few."""
         id = self.parameter(parameter.name)
-        return id.of_release(release, count) if parameter.of_release or not self.is_force else id
+        return id.of_release(release, count) if parameter.of_release else id
 
     def state(self, place: int, release: int | None = None) -> ParameterId:
         """Return the identity of an internal state at the start of a release."""

@@ -50,12 +50,10 @@ class ParameterId:
         return type(self)(self.effect, self.parameter, release if count > 1 else None, self.role)
 
 
-def values_in_release(values: Mapping[str, float], release: int, count: int) -> dict[str, float]:
-    """Return values by name as one of `count` releases has them, under their names in that release alone."""
-    if count == 1:
-        return dict(values)
-    own, found = f"[{release}]", {name: value for name, value in values.items() if not name.endswith("]")}
-    return found | {name.removesuffix(own): value for name, value in values.items() if name.endswith(own)}
+def values_in_release(values: Mapping[str, float], release: int) -> dict[str, float]:
+    """Return values by name as one of several releases has them, under their names in that release alone."""
+    own, shared = f"[{release}]", {name: value for name, value in values.items() if not name.endswith("]")}
+    return shared | {name.removesuffix(own): value for name, value in values.items() if name.endswith(own)}
 
 
 def nuisance(name: str, release: int = 0, count: int = 1) -> ParameterId:

@@ -84,7 +84,7 @@ def carried_over(
         if unknown.window < 0:
             factors[unknown.name] = mass if unknown.name in strengths else 1.0
             values[unknown.name] *= factors[unknown.name]
-        elif unknown.window == 0 and unknown.simulated and unknown.deviates < 0:
+        elif unknown.window == 0 and unknown.simulated and not unknown.whole_release:
             name = str(unknown.id.of_release(0, 1))
             values[name] *= scale
             if experiment.push and unknown.id.role == "state":

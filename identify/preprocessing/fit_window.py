@@ -1,5 +1,6 @@
 """The fit window: the part of a free decay that is fitted, and the noise that each reading has."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -154,3 +155,17 @@ class FitWindow:
     @cached_property
     def _thinned(self) -> dict[int, Self]:
         return {}
+
+
+def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...]]:
+    """Return the places of the windows of each release, by its number."""
+    found: dict[int, tuple[int, ...]] = {}
+    for i, window in enumerate(windows):
+        found[window.release] = (*found.get(window.release, ()), i)
+    return found
+
+
+def release_numbers(windows: Sequence[FitWindow]) -> tuple[list[int], int]:
+    """Return the number of each window's release, from 0, and how many releases there are."""
+    releases = list(windows_by_release(windows))
+    return [releases.index(window.release) for window in windows], len(releases)

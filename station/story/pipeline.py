@@ -21,11 +21,13 @@ from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.prediction import predict
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
 from identify.model.model import Model
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.alignment import Alignment
+from identify.preprocessing.fit_window import windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
@@ -131,9 +133,22 @@ class KnownModel:
                 id = term.parameter(parameter.name)
                 if str(id) not in self.values:
                     continue
-                for i in range(len(decays)):
-                    start[str(term.in_release(parameter, i, len(decays)))] = self.values[str(id)]
-        return start
+                if not parameter.of_release:
+                    count = 1 if term.is_force else len(decays)
+                    start |= {str(id.of_release(i, count)): self.values[str(id)] for i in range(count)}
+        return start | self._of_releases(decays)
+
+    def _of_releases(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
+        """Find what each release has of its own of a force by a fit to it, all other values held."""
+        own = [(term, p) for term in self.model.forces for p in term.free if p.of_release]
+        groups, found = windows_by_release([decay.window for decay in decays]), dict[str, float]()
+        for number, places in enumerate(groups.values()) if own else ():
+            seen = predict(self.model, self.values, [decays[i] for i in places]).values
+            found |= {
+                str(term.in_release(p, number, len(groups))): seen[str(term.parameter(p.name))]
+                for term, p in own
+            }
+        return found
 
 
 @dataclass(frozen=True, eq=False)
