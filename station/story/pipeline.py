@@ -27,7 +27,6 @@ from identify.free_decay import FreeDecay
 from identify.model.model import Model
 from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.alignment import Alignment
-from identify.preprocessing.fit_window import windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
@@ -141,12 +140,11 @@ class KnownModel:
     def _of_releases(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
         """Find what each release has of its own of a force by a fit to it, all other values held."""
         own = [(term, p) for term in self.model.forces for p in term.free if p.of_release]
-        groups, found = windows_by_release([decay.window for decay in decays]), dict[str, float]()
-        for number, places in enumerate(groups.values()) if own else ():
-            seen = predict(self.model, self.values, [decays[i] for i in places]).values
+        found: dict[str, float] = {}
+        for i, decay in enumerate(decays if own else ()):
+            seen = predict(self.model, self.values, decay).values
             found |= {
-                str(term.in_release(p, number, len(groups))): seen[str(term.parameter(p.name))]
-                for term, p in own
+                str(term.in_release(p, i, len(decays))): seen[str(term.parameter(p.name))] for term, p in own
             }
         return found
 
