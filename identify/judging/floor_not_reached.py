@@ -19,7 +19,6 @@ import numpy as np
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
-from identify.effects.force_effect import ForceEffect
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
@@ -31,9 +30,9 @@ from identify.judging.beside_walk import weighed
 from identify.judging.linear_gain import states_of_term
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
-from identify.judging.suspects import Candidate, singles, try_terms
+from identify.judging.suspects import Candidate, is_predicted, singles, try_terms
 from identify.judging.verdict import Judgement
-from identify.priors import AGREES, CLEAR, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING, SAME
+from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -171,18 +170,6 @@ def _singled_out(
     return Judgement(
         "missing_effect", (replace(leader, claimed=True), *rest), leader.fit, shape=shape, confirmation=found
     )
-
-
-def is_predicted(candidate: Candidate) -> bool:
-    """Check whether a force has exactly the strength of the linear term that it replaces, so has no constant of its own."""
-    effect = candidate.term.effect
-    part = effect.may_be_all_of if isinstance(effect, ForceEffect) else None
-    name = None if part is None else candidate.fit.model.linear_strength(part)
-    if name is None:
-        return False
-    values = candidate.fit.parameters
-    whole = values[str(name)].value
-    return abs(values[str(candidate.term.strength)].value - whole) < CLEAR * SAME * whole
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:

@@ -23,6 +23,7 @@ from identify.judging.suspects import (
     InPlace,
     candidate_terms,
     is_plausible,
+    is_predicted,
     laws_of_families,
     score_candidate,
     try_terms,
@@ -146,20 +147,28 @@ def _that_explain(few: FewReleases, baseline: Baseline, sets: Iterable[Several])
 def _with_places(
     baseline: Baseline, found: Several, library: tuple[Effect, ...], seen: tuple[set[str], ...] = ()
 ) -> Several:
-    """Try what each of several effects may be mistaken for in its place, and nothing; what is more probable takes it."""
+    """Try what each of several effects may be mistaken for in its place, and nothing; what is more probable takes it.
+
+    At a guessed floor a force without a constant of its own does of what this record does not distinguish.
+    """
     if len(found.terms) == 1:
         return found
     unit = chi_square_unit(baseline, (found.fit,))
     places = tuple(_place(baseline, found.fit, term, library, unit) for term in found.terms)
+
+    def standing(one: Candidate) -> float:
+        leads = not baseline.floor_is_sure and is_predicted(one)
+        return one.evidence + (RIVALS_WITHIN if leads else 0.0)
+
     for i, place in enumerate(places):
         before, after = found.terms[:i], found.terms[i + 1 :]
         own, *others = place.tried
-        instead = [(one.evidence, Several(one.fit, (*before, one.term, *after))) for one in others]
+        instead = [(standing(one), Several(one.fit, (*before, one.term, *after))) for one in others]
         instead.append((0.0, Several(place.without, (*before, *after))))
         better = [
             (nats, one)
             for nats, one in instead
-            if nats > own.evidence and set(one.names) not in seen and _explains(baseline, one)
+            if nats > standing(own) and set(one.names) not in seen and _explains(baseline, one)
         ]
         if better:
             _, best = max(better, key=lambda one: one[0])

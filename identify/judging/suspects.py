@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from identify.effects.effect import Effect, Scales
 from identify.effects.families import FAMILIES
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence
@@ -16,6 +17,7 @@ from identify.judging.linear_gain import Slope, is_near
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import CLEAR, SAME
 
 _LEADERS = 3
 _BEHIND = 2.0
@@ -150,3 +152,15 @@ def is_plausible(found: Fit, term: Term, scales: Scales) -> bool:
     values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
     return term.effect.plausible(values, at_fault)
+
+
+def is_predicted(candidate: Candidate) -> bool:
+    """Check whether a force has exactly the strength of the linear term that it replaces, so has no constant of its own."""
+    effect = candidate.term.effect
+    part = effect.may_be_all_of if isinstance(effect, ForceEffect) else None
+    name = None if part is None else candidate.fit.model.linear_strength(part)
+    if name is None:
+        return False
+    values = candidate.fit.parameters
+    whole = values[str(name)].value
+    return abs(values[str(candidate.term.strength)].value - whole) < CLEAR * SAME * whole

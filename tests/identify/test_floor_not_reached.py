@@ -14,8 +14,7 @@ from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.judging.floor_not_reached import is_predicted
-from identify.judging.suspects import Candidate
+from identify.judging.suspects import Candidate, is_predicted
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 
@@ -212,3 +211,20 @@ def test_a_law_between_the_names_in_one_channel_has_its_exponent():
     sample = draw("power_law_damping", 0.05, 11, seconds=10.0)
     found = diagnose(FreeDecay(sample.rate, displacement=sample.displacement))
     assert found.named == ("power_law_damping",)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_gravity_and_a_damper_are_named_before_one_law_with_two_constants(seed: int):
+    """Integrated here: u'' + g sin u + c v + c3 v^3, an angle; hysteresis reaches the floor, too."""
+    time = np.arange(512) / 50.0
+    motion = solve_ivp(
+        lambda t, y: [y[1], -34.1 * np.sin(y[0]) - 0.05 * y[1] - 0.02 * y[1] ** 3],
+        (0.0, time[-1]),
+        [0.7, 0.0],
+        t_eval=time,
+        rtol=1e-9,
+        atol=1e-10,
+    )
+    noise = np.random.default_rng(seed).normal(0.0, 1.5e-3, len(time))
+    found = diagnose(FreeDecay(50.0, motion.y[0] + noise, unit="rad"))
+    assert found.named == ("pendulum_stiffness", "cubic_damping")
