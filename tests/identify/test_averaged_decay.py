@@ -24,13 +24,13 @@ def test_a_blocks_mean_is_the_motion_in_its_middle(block: int) -> None:
 @pytest.mark.slow
 def test_dry_friction_is_as_large_at_2000_hz_as_it_is() -> None:
     scores = []
-    for seed in range(40, 48):
+    for seed in range(40, 45):
         sample = draw(None, 0.0, seed, amplitude=0.025, rate=2000.0)
         found = diagnose(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
         mu_0 = found.final.parameters["coulomb_friction.mu_0"]
         scores.append((mu_0.value - sample.truth["mu_0"]) / mu_0.std)
     # Each has a unit variance; uncorrected means move all of them by -2 to -8.
-    assert abs(np.mean(scores)) < 1.5
+    assert abs(np.mean(scores)) < 1.8
 
 
 def test_a_block_beside_a_long_loss_is_lost_and_one_with_a_short_loss_is_not() -> None:
