@@ -11,15 +11,15 @@ import numpy as np
 from daq.importing.apply import ORDER, WIDE, stated
 from daq.importing.bob import with_angle
 from daq.importing.choose import choose_columns, left_out
-from daq.importing.column_numbers import counts_rows, is_difference, is_measurable, is_offset
+from daq.importing.column_numbers import is_difference, is_offset
 from daq.importing.columns import meaning
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
 from daq.importing.runs import find_runs, of_each
-from daq.importing.stamps import guess_time_unit
 from daq.importing.table import SourceColumn, Table
-from daq.importing.units import SI_ANGULAR, SI_LINEAR, parse_scaled_unit
+from daq.importing.unit_of_column import is_angle, too_far, unit_of, units_of_angles
+from daq.importing.units import SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
 
 DERIVATIVES = (
@@ -27,19 +27,6 @@ DERIVATIVES = (
     ("velocity", "acceleration", 1),
     ("displacement", "acceleration", 2),
 )
-
-DEGREES = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
-TURN = 2.0 * float(np.pi)
-MOST_DEGREES = 720.0
-"""No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
-
-MOST_METRES = 5.0
-"""No rig swings by more metres to either side: such numbers are in another unit."""
-
-_EXAMPLES = {
-    "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
-    "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -80,7 +67,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     """
     found = find_runs(table, options)
     chosen = _chosen(table, found, options)
-    turns = _units_of_angles(chosen)
+    turns = units_of_angles(chosen)
     made, left = of_each(chosen, lambda run: _settled(run, options, turns))
     derived = {} if options.keep_derived else _derived(made, options)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
@@ -147,29 +134,18 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     columns = choose_columns(table, options, notes, doubts)
     label = columns["displacement"].label if "displacement" in columns else ""
     assumed = options.units.get("displacement", turns.get(label, "rad"))
-    default = assumed if _is_angle(columns, options) else ""
+    default = assumed if is_angle(columns, options) else ""
     only = columns.get("displacement") if columns.keys() <= {"time", "displacement"} else None
     if only is not None and options.columns and meaning(only.label, only.unit).quantity is None:
         default = default or "counts"  # nothing but an option says what it is
-    units = {q: _unit_of(table, q, columns[q], options, default, notes) for q in ORDER if q in columns}
-    swings = columns.get("displacement")
-    if (
-        swings is not None
-        and not swings.said.unit
-        and units["displacement"] == "m"
-        and "displacement" not in options.units
-    ):
-        far = _swing(swings)
-        if far > MOST_METRES:
-            doubts.append(
-                f"{swings.place} names no unit and swings by {far:.3g} to either side, too far for metres; say its unit, "
-                "as in --unit displacement=deg"
-            )
+    units = {q: unit_of(table, q, columns[q], options, default, notes) for q in ORDER if q in columns}
+    if units.get("displacement") == "m" and "displacement" not in options.units:
+        doubts += filter(None, [too_far(columns["displacement"])])
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
         if options.rate is not None:
             raise problem(table.path, "a time column and a rate were both given", "give one of them")
-        units["time"] = _unit_of(table, "time", columns["time"], options, "", notes)
+        units["time"] = unit_of(table, "time", columns["time"], options, "", notes)
     fields = {q: _fields(q, columns[q], unit) for q, unit in units.items() if q in columns}
     pull = columns.get("acceleration")
     if pull is not None and not options.keep_offset and is_offset(pull.values):
@@ -212,83 +188,6 @@ def _left_out(run: _Run, derived: Mapping[str, str]) -> list[str]:
         for quantity, why in derived.items()
         if quantity in run.columns
     ]
-
-
-def _units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
-    """Return the unit of angles that name none by their labels, one for all runs of a file: deg or counts where one run
-    swings by more than half a turn in rad to either side, since few rigs do; others are in rad.
-    """
-    swings: dict[str, float] = {}
-    for column in (c for table in tables for c in table.columns if c.bad is None):
-        said = column.said
-        if said.quantity == "displacement" and said.angular and said.unit is None:
-            swings[column.label] = max(swings.get(column.label, 0.0), _swing(column))
-    return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}
-
-
-def _swing(column: SourceColumn) -> float:
-    """Return the swing of a column about its median, 0 without numbers of a sensible size."""
-    finite = column.values[np.isfinite(column.values)]
-    if not is_measurable(finite):
-        return 0.0
-    return float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
-
-
-def _is_angle(columns: Mapping[str, SourceColumn], options: ImportOptions) -> bool:
-    """Check whether channels without a unit are angles: an option's unit decides, else the headers."""
-    asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
-    known = [unit for unit in asked if unit is not None and unit.quantity is not None]
-    return any(unit.angular for unit in known) if known else any(c.said.angular for c in columns.values())
-
-
-def _unit_of(
-    table: Table, quantity: str, column: SourceColumn, options: ImportOptions, default: str, notes: list[str]
-) -> str:
-    """Return the unit of a channel as it is spelled: from the options, the header, or SI by default, and note which.
-
-    `default` is the unit of a displacement that names none, "" for m.
-    """
-    place, said, text = column.place, column.said, options.units.get(quantity)
-    written = said.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
-    if text is not None:
-        unit = parse_scaled_unit(text)
-        if unit is None or unit.quantity not in (None, quantity):
-            raise problem(
-                table.path, f"'{text}' is no unit of {quantity} that is known here",
-                f"give one of {_EXAMPLES[quantity]}",
-            )  # fmt: skip
-        other = said.unit is not None and said.unit != unit
-        notes.append(
-            f"{place} read as {quantity} in {text}, as asked"
-            + (f", though its header says {written}" if other else "")
-        )
-        return text
-    asked = ", chosen by the options" if quantity in options.named else ""
-    if said.unit is not None:
-        notes.append(f"{place} read as {quantity} in {written}{asked}")
-        return said.unit_text
-    if quantity == "time":
-        says_so = meaning(column.label, column.unit).quantity == "time"
-        if asked and not says_so and counts_rows(column.values):
-            raise problem(
-                table.path, f"{place} counts its rows, and nothing says how long one takes",
-                "give --rate HZ in its place, or --unit time=ms",
-            )  # fmt: skip
-        spelled, why = guess_time_unit(column)
-        assumed = f"; it names no unit: {why} (change it with --unit time=...)"
-        notes.append(f"{place} read as time{'; times of day' if column.clock else assumed}")
-        return spelled
-    spelled = (SI_ANGULAR if default else SI_LINEAR)[quantity].si
-    if default == "counts" and quantity == "displacement":
-        spelled = "counts"
-    elif quantity in DEGREES and default in ("deg", "\N{DEGREE SIGN}"):
-        spelled = DEGREES[quantity]
-    were = "were" if spelled == "counts" else "was"
-    notes.append(
-        f"{place} read as {quantity}{asked}; it names no unit: {spelled} {were} assumed "
-        f"(change it with --unit {quantity}=...)"
-    )
-    return spelled
 
 
 def _of_one_kind(

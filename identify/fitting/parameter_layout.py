@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -28,8 +28,8 @@ class Unknown:
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
     how it is read. One that `deviates` from a shared unknown, at that place, is what that is in one release beyond what it
-    is in all; `std` is the standard deviation of its prior, divided by the root of
-    the weight of that. One of a `whole_release` belongs to the first of its windows.
+    is in all; `std` is the standard deviation of its prior, divided by the root of the weight of that. One of a
+    `whole_release` belongs to the first of its windows.
     """
 
     id: ParameterId
@@ -178,8 +178,11 @@ class ParameterLayout:
                     continue
                 id, unit = nuisance(name, number, len(groups)), self.unknowns[shared].unit
                 weighed = std / float(np.sqrt(own.weight))
-                own_part = Unknown(id, unit, size=std, window=places[0], deviates=shared, std=weighed)
-                self._add(replace(own_part, whole_release=True))
+                self._add(
+                    Unknown(
+                        id, unit, size=std, window=places[0], deviates=shared, std=weighed, whole_release=True
+                    )
+                )
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
         """Add the internal states at the start of a window that the motion before the release does not give."""

@@ -25,6 +25,7 @@ from identify.judging.linear_gain import (
     in_releases,
     is_near,
     likeliest,
+    number_of,
     probes,
     states_of_term,
     weak_strength,
@@ -33,7 +34,6 @@ from identify.judging.linear_gain import (
 from identify.model.model import Term
 from identify.model.parameter_id import nuisance, values_in_release
 from identify.preprocessing.equation_error import Regression
-from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _STARTS = 3
@@ -142,7 +142,7 @@ def _promising(
     )[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
-            own = values_in_release(inner, _number(decays, largest))
+            own = values_in_release(inner, number_of(decays, largest))
             point[strength] = weak_strength(largest, term, own) or 0.0
         if is_near(base):
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
@@ -172,7 +172,7 @@ def _not_from_rest(
         }
         point = initial_nuisances(decays, model, values) | values
         for i, decay in enumerate(decays):
-            own = values_in_release(values, _number(decays, decay))
+            own = values_in_release(values, number_of(decays, decay))
             for j, off in enumerate(regress_states(decay, model, own, term)[1].tolist()):
                 name = str(term.state(j).of_release(i, len(decays)))
                 point[name] = point.get(name, 0.0) + off
@@ -182,11 +182,6 @@ def _not_from_rest(
 
 def _largest(decays: tuple[PreparedDecay, ...]) -> PreparedDecay:
     return max(decays, key=lambda prepared: prepared.amplitude)
-
-
-def _number(decays: tuple[PreparedDecay, ...], decay: PreparedDecay) -> int:
-    """Return the number of the release, among those of some decays, that one of them belongs to."""
-    return release_numbers([one.window for one in decays])[0][decays.index(decay)]
 
 
 def _ranked(
@@ -203,7 +198,7 @@ def _ranked(
 
     What is left is infinite where the force would have an impossible strength.
     """
-    largest = _number(decays, _largest(decays))
+    largest = number_of(decays, _largest(decays))
     place, strength = problem.model.forces.index(term), term.effect.strength
     physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked = []

@@ -93,11 +93,12 @@ def _judged(
         kept = _at_a_sure_floor(baseline, ranked, library)
     elif reached and best.plausible:
         alone = at_a_guess(baseline, Judgement(verdict_of(best), ranked, best.fit), curves)
-        kept = _pair_instead(baseline, alone, library)
+        if alone.verdict == "missing_effect":
+            kept = _together(baseline, alone.ranked, pair_instead(baseline, alone.ranked, library))
         if kept is None:
             return alone
     elif not reached and curves.driven is None:
-        kept = _together(baseline, ranked, library)
+        kept = _together(baseline, ranked, several_effects(baseline, ranked, library))
     if kept is not None and kept.stands:
         return kept
     decided = () if kept is None else kept.decided
@@ -117,7 +118,9 @@ def _at_a_sure_floor(
     Of a rig that drifts one effect is named before several.
     """
     best = ranked[0]
-    kept = None if baseline.adequate(best.fit) else _together(baseline, ranked, library)
+    kept = None
+    if not baseline.adequate(best.fit):
+        kept = _together(baseline, ranked, several_effects(baseline, ranked, library))
     if kept is None and best.plausible:
         kept = weighed(baseline, Judgement(verdict_of(best), ranked, best.fit))
     if kept is not None and kept.stands and kept.walk is None:
@@ -125,25 +128,8 @@ def _at_a_sure_floor(
     return named_with_walk(baseline, ranked) or kept
 
 
-def _pair_instead(baseline: Baseline, alone: Judgement, library: tuple[Effect, ...]) -> Judgement | None:
-    """Weigh two forces in place of one that reaches a guessed floor by several constants of its own; None if it stays.
-
-    Of one constant each they cost no more.
-    """
-    first = alone.ranked[0]
-    if alone.verdict != "missing_effect" or first.term.effect.line or len(first.term.free) < 2:
-        return None
-    found = pair_instead(baseline, first, alone.ranked, library)
-    if found is None:
-        return None
-    return weighed(baseline, _of_several(baseline, alone.ranked, found))
-
-
-def _together(
-    baseline: Baseline, ranked: tuple[Candidate, ...], library: tuple[Effect, ...]
-) -> Judgement | None:
+def _together(baseline: Baseline, ranked: tuple[Candidate, ...], several: Several | None) -> Judgement | None:
     """Weigh several effects that together reach the floor; None where none do."""
-    several = several_effects(baseline, ranked, library)
     return None if several is None else weighed(baseline, _of_several(baseline, ranked, several))
 
 

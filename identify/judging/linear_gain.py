@@ -69,6 +69,11 @@ def in_releases(base: Fit, term: Term, start: dict[str, float], first: int = 0) 
     return values
 
 
+def number_of(decays: tuple[PreparedDecay, ...], decay: PreparedDecay) -> int:
+    """Return the number of the release, among those of some decays, that one of them belongs to."""
+    return release_numbers([one.window for one in decays])[0][decays.index(decay)]
+
+
 def _line_of_release(
     base: Fit, term: Term, channel: str, start: dict[str, float], i: int
 ) -> dict[str, float]:
@@ -100,8 +105,7 @@ def probes(
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun, count = in_releases(base, term, start), len(base.windows)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    number = release_numbers(base.windows)[0][decays.index(largest)]
-    strength = weak_strength(largest, term, values_in_release(inner, number))
+    strength = weak_strength(largest, term, values_in_release(inner, number_of(decays, largest)))
     if strength is None:
         return []
     states = states_of_term(base, term, inner)

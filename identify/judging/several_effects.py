@@ -125,9 +125,15 @@ def several_effects(
 
 
 def pair_instead(
-    baseline: Baseline, law: Candidate, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Several | None:
-    """Find two forces of one constant each that are more probable than a `law` of several; None where none are."""
+    """Find two forces of one constant each that are more probable than the first of single ones; None where none are.
+
+    They cost no more than one with several constants of its own; one with a single constant is not questioned.
+    """
+    law = tried[0]
+    if law.term.effect.line or len(law.term.free) < 2:
+        return None
     few, least = FewReleases.of(baseline), evidence(baseline.fit, law.fit, baseline.scales) + RIVALS_WITHIN
     for whole in _that_explain(few, baseline, _simple_pairs(few, tried, library)):
         if evidence(baseline.fit, whole.fit, baseline.scales) > least:
