@@ -84,6 +84,8 @@ def test_a_unit_row_serves_where_the_header_has_none() -> None:
 
 def test_a_name_keeps_what_is_not_its_unit() -> None:
     assert split_unit("Weg &b_A1 / rad")[:2] == ("Weg &b_A1", "rad")
+    assert split_unit("count A")[:2] == ("count A", "")
+    assert split_unit("I [A]")[:2] == ("I", "A")
 
 
 @pytest.mark.parametrize("text", ["furlong", "", "m" * 50, "1", "mm mm"])
