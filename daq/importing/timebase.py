@@ -19,7 +19,6 @@ EVEN = 1e-3
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
 TOLD = 0.05  # of a sampling interval: digits beyond it tell nothing more
-FEWEST_IN_A_DECADE = 10
 ROUGHER = 1.25  # times what local curves leave on an even clock: more at the stamps says that these show no reading's time
 ROWS_OF_A_CURVE = 11
 DEGREE = 7  # closer to a motion of seven readings a cycle than jitter of 5 % of an interval moves it
@@ -204,12 +203,13 @@ def _strays(stray: float, slope: float) -> str:
 
 def _rounding(stamps: Array) -> Array:
     """Return what each stamp (n,), as it is written, may be off by its digits, s; significant ones round more by decades."""
-    rounding = np.full(len(stamps), quantum(stamps))
+    last = quantum(stamps)
+    rounding = np.full(len(stamps), last)
     decade = np.floor(np.log10(np.maximum(stamps, 1e-300)))
-    for edge in np.unique(decade[stamps > 0.0])[:-1]:
+    for edge in np.unique(decade[stamps > 0.0])[-2::-1]:
         early = decade <= edge
-        if np.count_nonzero(early) >= FEWEST_IN_A_DECADE:
-            rounding[early] = np.minimum(rounding[early], quantum(stamps[early]))
+        if 0.0 < (finer := quantum(stamps[early])) < last:
+            rounding[early] = 10.0 ** np.floor(np.log10(finer) + 1e-9)
     return rounding
 
 

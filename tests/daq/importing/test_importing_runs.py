@@ -218,6 +218,9 @@ def test_a_frame_that_is_missing_shows_beside_stamps_of_few_digits(tmp_path: Pat
     recording = load(tmp_path, wide("t;theta", [t, 40.0 * np.cos(4.0 * t)], form="%.2E"))
     assert np.flatnonzero(~recording.valid).tolist() == [46, 140]
     assert abs(recording.rate - 30.025) < 4.0 * recording.rate_std < 0.2
+    even = np.delete(np.arange(400), 133) / 20.0  # multiples of 0.05 s, of which two digits hide none
+    recording = load(tmp_path, wide("t;theta", [even, np.cos(4.0 * even)], form="%.2E"))
+    assert np.flatnonzero(~recording.valid).tolist() == [133]
     later = load(tmp_path, wide("t;theta", [9.5 + t, np.cos(4.0 * t)], form="%.2E"))
     assert abs(later.rate - 30.025) < 4.0 * later.rate_std
 
