@@ -39,7 +39,7 @@ def test_no_lie_passes_for_a_good_recording(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_no_lie_passes_in_hundreds_of_conversations(tmp_path: Path) -> None:
-    assert broken(range(200, 400), tmp_path) == []
+    assert broken(range(200, 300), tmp_path) == []
 
 
 def test_an_honest_board_among_them_is_ok(tmp_path: Path) -> None:

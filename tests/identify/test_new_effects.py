@@ -59,9 +59,8 @@ def test_the_motion_is_that_of_the_double(name, mu_0):
 @pytest.mark.parametrize(
     "name", ["signed_quadratic_stiffness", "settling_stiffness", "impact_with_loss", "dahl_friction"]
 )
-@pytest.mark.parametrize("strength", [0.01, 0.03])
-def test_an_effect_of_real_rigs_is_named_first(name, strength):
-    prepared, truth = drawn(name, strength, seed=9200)
+def test_an_effect_of_real_rigs_is_named_first(name):
+    prepared, truth = drawn(name, 0.01, seed=9200)
     found = diagnose((prepared,))
     assert found.named == (name,)
     strongest = found.suspects[0].effect.strength.name
