@@ -52,21 +52,21 @@ def smooth_law_beside(walk: RandomWalk) -> float:
     All coordinates are equally probable; a law's size is not known, and a large one is rarer.
     """
     place, misfit, follows = walk.place, walk.misfit, walk.follows
-    of_walk = follows.T @ follows
-    known, _ = explained_by(of_walk, follows.T @ misfit)
+    of_walk, with_walk = follows.T @ follows, follows.T @ misfit
+    known, _ = explained_by(of_walk, with_walk)
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
     each = []
     for law in _laws(place.problem, place.theta):
         free = place.jacobian.free(law)
-        both = follows.T @ free
-        products = np.block([[of_walk, both], [both.T, free.T @ free]])
-        along = np.concatenate([follows.T @ misfit, free.T @ misfit])
+        both, own, along = follows.T @ free, free.T @ free, free.T @ misfit
+        products = np.block([[of_walk, both], [both.T, own]])
         for size, prior in zip(SIZES[1:], rarer, strict=True):
-            scale = np.ones(len(along))
-            scale[follows.shape[1] :] = size / np.arange(1, _ORDERS + 1)
-            gain, _ = explained_by(products * np.outer(scale, scale), along * scale)
-            each.append(gain - known + prior)
+            scale = size / np.arange(1, _ORDERS + 1)
+            wide = np.concatenate([np.ones(len(with_walk)), scale])
+            beside, _ = explained_by(products * np.outer(wide, wide), np.concatenate([with_walk, along * scale]))
+            alone, _ = explained_by(own * np.outer(scale, scale), along * scale)
+            each.append(prior + np.logaddexp(beside - known, alone - np.log(2.0) - walk.evidence))
     return float(np.logaddexp.reduce(each) - np.log(len(each) / len(rarer)))
 
 
