@@ -257,7 +257,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
     before = baseline.reduced(baseline.fit)
     whole = _left(baseline, baseline.fit, before)
-    floor = f"the noise floor is {floor_of(baseline)}"
+    floor = f"the noise floor is 1 ± {0.5 * baseline.spread:.2g} times"  # the rms errs by half as much as chi-square
     if best is None:
         return f"Something is missing, and no effect can be named: the model leaves {whole}; {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]

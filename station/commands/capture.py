@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 HOW = RELEASE | {
     "pre_trigger": (float, option("Seconds kept before the release (1).", type=KEPT_BEFORE, metavar="S")),
-    "level": (float, option("Smallest swing of a release, in SI units.", type=POSITIVE, metavar="M")),
+    "level": (float, option("Smallest swing of a release, in SI units.", type=POSITIVE, metavar="SIZE")),
     "release": (
         str,
         option(
