@@ -216,7 +216,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if baseline.adequate(baseline.fit):
         return "The model reaches the floor without it, too: the named effect is small."
     if tied:
-        return f"{_listed(tied)} would reach the floor too, with less evidence."
+        return f"With less evidence, these would reach the floor, too: {_listed(tied)}."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else explained(best, baseline.reduced(baseline.fit))
     if best is None or share < EXPLAINS_NOTHING:
