@@ -32,7 +32,7 @@ class Evidence:
     """The evidence for one more law: `nats` of each against the model without it, by name, and the verdict.
 
     `names` are those that are not distinguishable, the one that leads first; `explains` is "frequency" or "loss".
-    `unnamed` is the evidence for a law without a name in their place, and `beside` that for one beside the leader.
+    `unnamed` is the evidence for a law outside the library in their place, and `beside` that for one beside the leader.
     """
 
     nats: dict[str, float]
@@ -67,14 +67,14 @@ def decide(
     """Decide what the evidence for several laws names: the one table of verdicts.
 
     Before the data, none is as probable as all laws together, and all of these are equally probable. The indistinguishable
-    laws are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without
-    a name in their place, at first as probable as each, and `beside` that for one beside the leader. Laws of time represent
-    any drift unless a drift is part of every hypothesis (`drift_weighed`).
+    laws are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law outside
+    the library in their place, at first as probable as each, and `beside` that for one beside the leader. Laws of time
+    represent any drift unless a drift is part of every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|
     | of none above `alpha` | nothing |
-    | of a law without a name in their place above DOUBT, or of none beside the leader below DOUBT | no name |
+    | of a law outside the library in their place above DOUBT, or of none beside the leader below DOUBT | no name |
     | of the laws of time above DOUBT, if it is a law | may drift |
     | of any MOST_ALIKE laws below 1 - DOUBT | too many |
     | else | named: those that are not distinguishable, the likeliest first |

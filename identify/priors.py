@@ -6,8 +6,8 @@ Half and twice each value, on the rigs and on drawn recordings: `docs/decisions/
 import numpy as np
 
 SIZES = np.array([0.0, *np.geomspace(1e-4, 0.3, 8)])
-"""Sizes that a random walk (share of the spring, after one radian of motion) and a law without a name (share of the spring
-or of twice the critical damping) may have: none, or steps of a factor of 3.1 up to where a rig is no oscillator."""
+"""Sizes that a random walk (share of the spring, after one radian of motion) and a law outside the library (share of the
+spring or of twice the critical damping) may have: none, or steps of a factor of 3.1 up to where a rig is no oscillator."""
 
 STRENGTHS = np.geomspace(1e-4, 1.0, 9)
 """Standard deviations that the strength of a named law may have, as a share of the spring."""
@@ -19,7 +19,7 @@ WALKS_ARE = 1.0
 """Nats against each step of a random walk's size: every rig has one, small ones are likelier."""
 
 NAMELESS_IS = 0.5
-"""Nats against each step of the size of a law without a name: a large one is rarer than one of the library."""
+"""Nats against each step of the size of a law outside the library: a large one is rarer than one of the library."""
 
 RARE = 1.0
 """Nats against an effect for each unit of its rarity."""
@@ -31,7 +31,7 @@ SAME = 0.02
 """Share of the spring by which gravity may differ from it where it is the whole spring: the calibration of an angle."""
 
 BENDS_OVER = 0.8
-"""Ratio of amplitudes, as a natural logarithm, over which a law without a name may bend."""
+"""Ratio of amplitudes, as a natural logarithm, over which a law outside the library may bend."""
 
 LEAKS = (0.1, 0.1, 1.0)
 """Share of what a window's harmonic motion leaves of the reading that is an error of its amplitude, phase and centre."""
@@ -52,7 +52,7 @@ MOST_ALIKE = 4
 """Laws that are not distinguishable and still make a class worth telling."""
 
 LARGE = 0.5
-"""Error of prediction, in % of the motion, that a law must remove to be large enough for a name."""
+"""Prediction error, in % of the motion, that a law must remove to be large enough for a name."""
 
 LEAVES = 0.4
 """Share of the error of its frequency or loss, in parts that were left out, that a law may leave to be confirmed."""

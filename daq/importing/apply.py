@@ -230,7 +230,7 @@ def _within(
     if len(rows) < FEWEST_ROWS:
         raise problem(
             table.path, "holds nothing between these times",
-            f"its own go from {np.nanmin(at):.6g} s to {np.nanmax(at):.6g} s",
+            f"its times go from {np.nanmin(at):.6g} s to {np.nanmax(at):.6g} s",
         )  # fmt: skip
     own = replace(
         table,

@@ -170,7 +170,7 @@ def _rising(free: Sequence[SourceColumn], notes: list[str]) -> SourceColumn | No
             continue
         if rises_evenly(column) and not counts_rows(column.values):
             notes.append(
-                f"{column.place} has no name that says so, but its numbers rise evenly: it was taken as time"
+                f"{column.place} is not named as a time, but its numbers rise evenly: it was taken as time"
             )
             return column
     return None

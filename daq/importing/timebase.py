@@ -140,7 +140,7 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
 def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
         return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
-    done = "the readings are rougher at them, so the mean rate is used (--resample believes the stamps)"
+    done = "the readings are rougher at the stamps, so the mean rate is used (--resample uses the stamps)"
     if resampled:
         done = "the samples were put on the even clock by a cubic spline through their stamps"
     return f"{_strays(stray, slope)}; {done}"

@@ -206,7 +206,7 @@ class LineSource:
         name = self._port.name
         if odd:
             return BoardError(
-                f"{name}: what comes is no lines of numbers{_as(odd)}; check the baud rate (--baud), or what the "
+                f"{name}: the input has no lines of numbers{_as(odd)}; check the baud rate (--baud), or what the "
                 "board prints"
             )
         if count:

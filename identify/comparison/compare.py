@@ -258,7 +258,7 @@ def _cause(
     if not baseline.adequate(baseline.fit):
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "
-            "it is physics (or the displacement drifts slowly, which looks like motion)."
+            "the cause is physics (or the displacement drifts slowly, which looks like motion)."
         )
     faults = [f.term for f in corrected_faults(baseline.decays, baseline.fit) if f.p_value < baseline.alpha]
     if faults := [*modelled, *faults]:

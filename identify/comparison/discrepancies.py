@@ -13,7 +13,7 @@ from identify.comparison.phase_plane import PhasePlane
 from identify.comparison.residual_tone import ResidualTone
 
 MOST = 5
-NONE = "No place stands out of the noise."
+NONE = "No discrepancy exceeds the noise."
 _FALSE_ALARMS = 0.05
 _DRAWS = 1000
 _GROUPS = 6

@@ -1,7 +1,7 @@
 """The search for laws that the curves of a decay support: one at a time, the likeliest first.
 
 A law is named where its marginal likelihood beats that of the same model without it, and where it removes enough of the
-error of prediction to matter. Laws that are nearly as likely are its rivals, and the simplest of them leads. A frequency or
+prediction error to matter. Laws that are nearly as likely are its rivals, and the simplest of them leads. A frequency or
 a loss that may move with time as well as with the amplitude names nothing.
 """
 
@@ -206,7 +206,7 @@ def _corrected(likelihood: CurveLikelihood, before: CurveFit, one: _Suspect) -> 
 
 
 def _confirms(laws: CurveLaws, column: int, before: HeldOut, after: HeldOut) -> bool:
-    """Check that the held-out parts confirm a law: it removes a large enough error of prediction, and most of one kind."""
+    """Check that the held-out parts confirm a law: it removes a large enough prediction error, and most of one kind."""
     removed = before.typical("motion") - after.typical("motion")
     left = min(after.typical(kind) / before.typical(kind) for kind in _CHANNELS.values())
     plausible = laws.plausible(column, float(after.strengths[-1]))

@@ -26,7 +26,7 @@ _TURNED = 2.0
 
 @dataclass(frozen=True)
 class MotionError:
-    """The error of prediction of one part: of its envelope and its phase, in % of the motion."""
+    """The prediction error of one part: of its envelope and its phase, in % of the motion."""
 
     envelope: float
     phase: float
@@ -89,7 +89,7 @@ def cut_by_amplitude(curve: DecayCurve) -> tuple[slice, ...]:
 def hold_out(likelihood: CurveLikelihood, found: CurveFit) -> HeldOut:
     """Predict each part of the curves from the others by the laws of a fit alone.
 
-    Walks and a law without a name predict nothing: the residual of the laws counts as scatter and drift.
+    Walks and a law outside the library predict nothing: the residual of the laws counts as scatter and drift.
     """
     columns, still = likelihood.columns(found.added), (0,) * len(found.settings)
     noise, strengths = _scatter(likelihood), found.strengths
@@ -144,7 +144,7 @@ def _error(
     part: Part,
     observed: tuple[Signals, ...],
 ) -> MotionError:
-    """Compute the error of prediction of one part, with its start left free."""
+    """Compute the prediction error of one part, with its start left free."""
     release, points = part
     curve, at = likelihood.laws.curves[release], list(columns)
     size, phase, _ = (

@@ -3,9 +3,9 @@
 All that is not known is a column with a normal prior, or a part of the noise, and integrates to a closed form (a linear
 mixed model; Rasmussen and Williams 2006, eq. 2.43):
 
-    log amplitude, phase, centre = start + base and laws + a law without a name + random walks of damper and spring + noise
+    log amplitude, phase, centre = start + base + laws + a law outside the library + random walks of damper, spring + noise
 
-Every hypothesis has the walks and the law without a name. So a name has to beat three things at once: no effect, a
+Every hypothesis has the walks and the law outside the library. So a name has to beat three things at once: no effect, a
 drifting rig, and an unknown law. The sizes of the walks and of that law are chosen for each hypothesis, at a price.
 """
 
@@ -26,7 +26,7 @@ _RIDGE = 1e-12
 """Added to a correlation matrix, so that it has a root."""
 
 Settings = tuple[int, ...]
-"""Places in SIZES, by channel: of its walk and of its law without a name."""
+"""Places in SIZES, by channel: of its walk and of its law outside the library."""
 
 Part = tuple[int, slice]
 """A release, and some of its points."""
@@ -144,7 +144,7 @@ class CurveLikelihood:
     """The likelihood of curves under the base of their laws and under laws beside it.
 
     `noise` is relative to the amplitude for each channel (to the largest for the centre), and last absolute; `shapes` are
-    the effects on each curve of laws without a name, `nameless` of them.
+    the effects on each curve of laws outside the library, `nameless` of them.
     """
 
     def __init__(self, laws: CurveLaws) -> None:
@@ -246,7 +246,7 @@ class CurveLikelihood:
     def fitted(
         self, products: Products, added: Added, settings: Settings, *, climb: bool = False
     ) -> CurveFit:
-        """Fit laws at given sizes of walks and laws without a name, or (`climb`) at the likeliest, all within bounds.
+        """Fit laws at given sizes of walks and laws outside the library, or (`climb`) at the likeliest, all within bounds.
 
         What would be negative is left out; a hypothesis of which an added law is left out is not possible.
         """

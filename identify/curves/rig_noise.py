@@ -1,4 +1,4 @@
-"""Disturbances of a rig's curves besides laws: noise of overlapping windows, random walks, a law without a name."""
+"""Disturbances of a rig's curves besides laws: noise of overlapping windows, random walks, a law outside the library."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

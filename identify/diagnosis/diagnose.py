@@ -51,9 +51,9 @@ _NO_RELEASE: tuple[Verdict, ...] = ("not_enough_data", "driven")
 _STOPS: dict[Verdict, str] = {
     "nothing_missing": "the noise floor is reached: no effect of the library lowers the error by more than noise explains",
     "unknown_effect": "something is missing, and no effect can be named; see the free form",
-    "unconfirmed": "something is left that no effect of the library predicts",
+    "unconfirmed": "no effect of the library predicts the residual",
     "driven": "the motion is driven: a free decay is needed to name a force",
-    "not_enough_data": "the record is too short to tell more effects apart",
+    "not_enough_data": "the record is too short to distinguish more effects",
 }
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 
@@ -169,9 +169,9 @@ class Diagnosis(Summarised):
         if self.verdict == "nothing_missing" and (
             self.too_small or not self.baseline.adequate(self.baseline.fit)
         ):
-            return "the residual is too small a part of the motion to be worth a name"
+            return "the residual is too small a part of the motion to name an effect"
         if self.verdict == "unknown_effect" and self.walk is not None:
-            return "no law is needed for what remains: a random drift of spring and damper explains it"
+            return "no law is needed for the residual: a random walk of spring and damper explains it"
         if self.verdict in _STOPS:
             return _STOPS[self.verdict]
         many = f"{_MOST_STEPS} effects were added; with more, a model would fit any record"

@@ -74,11 +74,11 @@ def explain(
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
             second += (
-                f" Of what remains ({rest}) a free-form force over {' and '.join(shape.coordinates)} explains "
-                f"{100.0 * shape.explained:.0f} %."
+                f" A free-form force over {' and '.join(shape.coordinates)} explains {100.0 * shape.explained:.0f} % of "
+                f"the residual ({rest})."
             )
         else:
-            second += f" What remains ({rest}) follows no force in displacement, velocity or time."
+            second += f" The residual ({rest}) follows no force in displacement, velocity or time."
     return f"{first} {second}"
 
 
@@ -91,8 +91,8 @@ def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
     """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
     name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
     return (
-        f"{name} is sure, but it removes only {three_figures(removed)} % of the motion, too little for a name. Without "
-        f"it the model leaves {left} % of the motion, a reduced chi-square of "
+        f"{name} is significant, but it removes only {three_figures(removed)} % of the motion, too little to name it. "
+        f"Without it the model leaves {left} % of the motion, a reduced chi-square of "
         f"{three_figures(baseline.reduced(baseline.fit))}."
     )
 
@@ -110,8 +110,8 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
         )
     if not baseline.adequate(baseline.fit):
         return (
-            f"The model explains all but {whole}. That is too little to be worth a name, although the reduced chi-square is "
-            f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
+            f"The model leaves {whole}, too little to name an effect. Yet the reduced chi-square is {left}; "
+            f"{floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
     counts = f"which is {floor}" if baseline.floor_is_sure else f"which counts as noise: {floor} is a guess"
     return (
@@ -130,7 +130,7 @@ def _line_in_words(line: Suspect) -> str:
     frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
     share = three_figures(line_percent(line.fit, line.term))
     what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
-    return f"{what}: too small to be worth a name."
+    return f"{what}: too small to be named."
 
 
 def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Baseline) -> str:
@@ -150,7 +150,7 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     where = min(misfits, key=lambda c: misfits[c][1] / misfits[c][0])
     first, last = map(three_figures, misfits[where])
     return (
-        f"{what} the misfit from {first} to {last} % of the {where}, the reduced chi-square from {before} to "
+        f"{what} the residual from {first} to {last} % of the {where}, and the reduced chi-square from {before} to "
         f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement, settled)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
@@ -162,7 +162,7 @@ def _above_the_floor(baseline: Baseline, judgement: Judgement, settled: Baseline
     if reached or judgement.shape is not None or judgement.walk is not None:
         return ""
     return (
-        f" The residual is {_times_the_noise(settled.fit.reduced)}, but neither a random drift nor a smooth law explains "
+        f" The residual is {_times_the_noise(settled.fit.reduced)}, but neither a random walk nor a smooth law explains "
         "more of it than chance would."
     )
 
@@ -175,7 +175,7 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
         return ""
     part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
     return (
-        f" That is {part} of the residual: {three_figures(left)} % of the motion remains with it. Only a guessed noise "
+        f" The fault explains {part} of the residual: {three_figures(left)} % of the motion remains. Only a guessed noise "
         "floor accepts that, and a force may hide in it."
     )
 
@@ -187,8 +187,8 @@ def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, set
     small, force = "", named is not None and named.kind == "physics" and named.confirmed is None
     if force and removed < LARGE and releases == 1:
         small = (
-            f"It explains little, {three_figures(removed)} % of the motion: diagnose it together with another release "
-            "before you rely on the name."
+            f"The named effect removes only {three_figures(removed)} % of the motion: diagnose the record together with "
+            "another release before you rely on the name."
         )
     drift = walk_sentence(judgement.walk, named=named is not None, releases=releases)
     return " ".join(filter(None, (small, drift)))
@@ -216,7 +216,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if baseline.adequate(baseline.fit):
         return "The model reaches the floor without it, too: the named effect is small."
     if tied:
-        return f"{_listed(tied)} would reach the floor too, with less evidence."
+        return f"With less evidence, these would reach the floor, too: {_listed(tied)}."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else explained(best, baseline.reduced(baseline.fit))
     if best is None or share < EXPLAINS_NOTHING:
@@ -257,18 +257,18 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
     before = baseline.reduced(baseline.fit)
     whole = _left(baseline, baseline.fit, before)
-    floor = f"where the floor is {floor_of(baseline)}"
+    floor = f"the noise floor is 1 ± {0.5 * baseline.spread:.2g} times"  # the rms errs by half as much as chi-square
     if best is None:
-        return f"Something is missing that the library does not name: the model leaves {whole}, {floor}."
+        return f"Something is missing, and no effect can be named: the model leaves {whole}; {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
-    rest = "the residual has no name"
+    rest = "No effect can be named for the rest"
     shown = most or [best]
     if baseline.adequate(shown[0].fit):
-        alone = "one release is not enough to confirm it"
-        rest = "this record does not distinguish them" if len(shown) > 1 else alone
+        alone = "One release is not enough to confirm it"
+        rest = "This record does not distinguish them" if len(shown) > 1 else alone
     leaves = _each_leaves(baseline, shown)
-    return f"Something is missing: the model leaves {whole}. {leaves}, {floor}: {rest}."
+    return f"Something is missing: the model leaves {whole}. {leaves}; {floor}. {rest}."
 
 
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
@@ -276,7 +276,7 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
     listed = [f"{plain_name(s.effect.name)} {_times(s.error_after)}" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
-        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of what the model leaves")
+        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more under a tenth of what the model leaves")
     others = f", {among(listed)}" if listed else ""
     left = _left(baseline, first.fit, first.error_after)
     return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"
@@ -337,4 +337,4 @@ def _limit(suspects: tuple[Suspect, ...]) -> str:
             words.append(
                 f"{plain_name(suspect.effect.name)} beyond ±{3.0 * strength.std:.2g} {strength.unit}"
             )
-    return f"It would have shown {' or '.join(words)}." if words else ""
+    return f"The data would have shown {' or '.join(words)}." if words else ""

@@ -24,9 +24,9 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
             f"The missing effect is {plain_name(suspect.effect.name)}, which changes {_KINDS[effect.explains]} with the "
-            f"amplitude: the error of prediction falls from {three_figures(effect.before)} to "
-            f"{three_figures(effect.after)} % of the motion. The odds against a drift of the rig, or a law without a name, "
-            f"are {odds_words(effect.nats)}{alike}."
+            f"amplitude: the prediction error falls from {three_figures(effect.before)} to "
+            f"{three_figures(effect.after)} % of the motion. The odds against a drift of the rig, or a law outside the "
+            f"library, are {odds_words(effect.nats)}{alike}."
         )
     predicted = [_prediction(found)] * (len(sentences) == len(found.effects))
     return " ".join([*sentences, *predicted, *_undecided(found)])
@@ -41,7 +41,7 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
-    predicted = f"The model predicts {basis} with an error of {size} % of the motion there."
+    predicted = f"The model predicts {basis} with an error of {size} % of its motion."
     said = [*filter(None, nearly), predicted, *_undecided(found)]
     if len(said) == 1:
         said.append("No effect of the library explains it better than a drift of the rig would.")
@@ -87,13 +87,11 @@ def explain_driven(curve: DecayCurve, unit: str) -> str:
 def _prediction(found: Confirmation) -> str:
     """State on how many parts the prediction is confirmed, and its error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")
-    left = "" if after < 1.0 else f"; the residual, {three_figures(after)} % of the motion, has no name"
+    left = "" if after < 1.0 else f"; no effect is named for the remaining {three_figures(after)} %"
     basis = f"Confirmed on {found.better} of {found.parts} other releases"
     if found.one_record:
-        basis = f"Confirmed within this record, on {found.better} of {found.parts} ranges of amplitude from the rest"
-    return (
-        f"{basis}: prediction error {three_figures(before)} to {three_figures(after)} % of the motion{left}."
-    )
+        basis = f"Confirmed within this record: {found.better} of {found.parts} ranges of amplitude predicted from the rest"
+    return f"{basis}; prediction error from {three_figures(before)} to {three_figures(after)} % of the motion{left}."
 
 
 def _undecided(found: Confirmation) -> list[str]:
@@ -104,7 +102,7 @@ def _undecided(found: Confirmation) -> list[str]:
         alike = f"{_among(names)} {'explain it equally well' if len(names) > 1 else 'would explain it'}"
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
-            "amplitude distinguishes time from amplitude."
+            "amplitude distinguishes a change with time from one with amplitude."
         )
     return sentences
 

@@ -16,7 +16,7 @@ FEWEST = 2
 """Releases without which nothing is settled: what is named on one has predicted nothing yet."""
 
 _REACHED = 0.9
-"""Share of the upper limit from which a law without a name must have been seen: no fit says what hides beyond."""
+"""Share of the upper limit from which a law outside the library must have been seen: no fit says what hides beyond."""
 
 MOST = 6
 
@@ -56,7 +56,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
 
     It ends when no release is expected to tell more: between the open hypotheses, or about what can still hide beside
     the likeliest. A name needs one release more than it has effects. Where a law of a family explains more, that is
-    confirmed. A law without a name predicts nothing beyond the largest release: so one must come from the upper limit.
+    confirmed. A law outside the library predicts nothing beyond the largest release: so one must come from the upper limit.
     """
     if found.verdict == "driven":
         return Guidance("given_up", "The motion is driven; stop the drive and begin again.")
@@ -66,7 +66,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     named, nameless = leading(found), found.verdict in ("unknown_effect", "unconfirmed")
     enough = releases >= max(FEWEST, 1 + len(named)) and found.verdict != "not_enough_data"
     if enough and nameless and far and not found.hypotheses[0].has_law:
-        words = "Something is missing that has no name here; all releases agree."
+        words = "Something is missing, and no effect can be named; all releases agree."
         return Guidance("no_name", words, None, chosen)
     if enough and not more and (far or not nameless):
         return _no_more(found, releases, chosen, limits)
@@ -108,12 +108,12 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
         why = "" if chosen is None else f" {chosen.words}"
         return Guidance("nothing", f"Nothing is missing between the limits.{why}", None, chosen)
     if not found.named:
-        words = "Something is missing that has no name here."
+        words = "Something is missing, and no effect can be named."
         return Guidance("no_name", words, None, chosen)
     named, near = leading(found), _near(found)
     if named != found.named and not near:
         nearly = among([plain_name(name) for name in found.named])
-        words = f"{_named(named)}: {nearly} would nearly do, but this explains the releases better."
+        words = f"{_named(named)}: {nearly} would explain the releases nearly as well."
         return Guidance("confirmed", words, None, chosen, named)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
@@ -122,7 +122,7 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
     alike = among([one.title for one in near])
     words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
     if chosen is not None and chosen.instead is not None and not chosen.hidden:
-        words = f"{_named(named)}, or a law that does the same here. {chosen.words}"
+        words = f"{_named(named)}, or a law that acts the same within the limits. {chosen.words}"
     return Guidance("alike", words, None, chosen, named, tuple(one.names for one in near))
 
 
@@ -147,7 +147,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
-            parts.append(f"It cannot exclude {one.title} with {ends}: here that is the same law.")
+            parts.append(f"This rig cannot exclude {one.title} with {ends}: here that is the same law.")
     return " ".join(parts)
 
 

@@ -89,7 +89,7 @@ AC_COUPLING = SensorFault(
     equation="first-order high-pass at fc",
     parameters=(
         Parameter("fc", "Hz", "corner frequency", 0.0),
-        Parameter("transient", "reading", "what the coupling remembers of the time before the fit"),
+        Parameter("transient", "reading", "state of the high-pass where the fit begins"),
     ),
     observe=_high_pass,
     starts=lambda scales, channel: tuple(
@@ -128,7 +128,7 @@ def _bends_little(values: dict[str, float], scales: Scales) -> bool:
 
 SENSOR_NONLINEARITY = SensorFault(
     name="sensor_nonlinearity",
-    title="a sensor bends (nonlinearity)",
+    title="a sensor is nonlinear",
     equation="x + quadratic x^2 + cubic x^3",
     parameters=(
         Parameter("quadratic", "1/(reading)", "relative error per reading"),
@@ -150,7 +150,7 @@ SENSOR_BANDWIDTH = SensorFault(
     equation="first-order low-pass at fc",
     parameters=(
         Parameter("fc", "Hz", "corner frequency", 0.0),
-        Parameter("transient", "reading", "what the sensor remembers of the time before the fit"),
+        Parameter("transient", "reading", "state of the low-pass where the fit begins"),
     ),
     observe=lambda time, reading, p: reading - _high_pass(time, reading - reading[:1], p),
     starts=lambda scales, channel: tuple(

@@ -55,7 +55,7 @@ class HarmonicResidual:
         decides = "more than noise explains" if self.against else "no more than noise explains"
         return (
             "The noise floor is a guess here. At the motion's harmonics the residual has "
-            f"{three_figures(self.ratio)} times the power expected from between them ({odds}): {decides}."
+            f"{three_figures(self.ratio)} times the power expected from the spectrum between them ({odds}): {decides}."
         )
 
 

@@ -26,7 +26,7 @@ MOST_RELEASES = 0.66
 """Share of the releases on which a model must predict better (or worse) to be called so."""
 
 ALIKE = 0.02
-"""Relative difference of two errors of prediction up to which they count as one."""
+"""Relative difference of two prediction errors up to which they count as one."""
 
 STRANGE = 50.0
 """Error of the prediction, in % of the motion, from which on neither model seems to be of this bench."""
@@ -203,7 +203,7 @@ def _values(found: Baseline) -> dict[str, float]:
 
 
 def _from_to(before: float, after: float) -> str:
-    """Write two errors of prediction, the usual model's last."""
+    """Write two prediction errors, the usual model's last."""
     usual, own = (
         f"{three_figures(e)} % of the motion" if np.isfinite(e) else "a run that diverges"
         for e in (before, after)

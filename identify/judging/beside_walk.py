@@ -1,13 +1,13 @@
-"""Whether named effects explain more than a random walk of spring and damper, or a smooth law without a name.
+"""Whether named effects explain more than a random walk of spring and damper, or a smooth law outside the library.
 
 Where the floor is reached, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law
 that the library does not hold, to within the noise, with thousands of nats. A law counts by what it explains beyond both,
 and it must leave nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
 shows in the residual of the law.
 
-A law without a name is any smooth function of displacement, of velocity or of time, as spring, damper or friction: a series
-of Legendre polynomials whose coefficients are normal, those of higher orders smaller (a Gaussian process; Rasmussen and
-Williams, 2006). The misfit is taken for linear in it. A random walk is part of every hypothesis: what it explains is no law.
+A law outside the library is any smooth function of displacement, of velocity or of time, as spring, damper or friction: a
+series of Legendre polynomials whose coefficients are normal, those of higher orders smaller (a Gaussian process; Rasmussen
+and Williams, 2006). The misfit is taken for linear in it. Every hypothesis has a random walk: what that explains is no law.
 """
 
 from collections.abc import Callable, Iterator
@@ -119,7 +119,7 @@ def weigh(
 
 
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Weigh a name against a walk and a law without a name, each effect beside the others; `decided` says what comes of it.
+    """Weigh a name against a walk and a law outside the library, each effect beside the others; `decided` has the outcome.
 
     It gets the walk that remains beside it.
     """
@@ -168,7 +168,7 @@ def _is_determined(force: Candidate) -> bool:
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
     """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
 
-    None where no effect does, where a walk alone reaches it, or where the leader leaves a law without a name. Of a
+    None where no effect does, where a walk alone reaches it, or where the leader leaves a law outside the library. Of a
     rig that drifts neither a law of time is named, for a walk is now and then like one, nor a force that is a line,
     which follows any motion for a while.
     """
@@ -225,11 +225,11 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in stiffness of about {_one_figure(100.0 * walk.stiffness)} %")
     if walk.damping:
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
-    drift = f"a random drift {' and '.join(drifts)} in one second"
+    drift = f"a random walk {' and '.join(drifts)} in one second"
     if named:
-        return f"Beside what is named {drift} remains; with such a drift no other effect is likelier."
-    apart = "Such a drift is never the same twice, so several releases distinguish a law from it."
-    return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
+        return f"Besides the named effect, {drift} remains; with it no other effect is likelier."
+    apart = "A random walk is never the same twice, so several releases distinguish a law from it."
+    return f"It may be no law at all: {drift} explains the residual as well.{f' {apart}' if releases == 1 else ''}"
 
 
 def _one_figure(value: float) -> str:

@@ -51,7 +51,7 @@ def judge(
 def large_enough(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
     """Withdraw the name of a force that removes less than `worth` % of the motion, even if it is sure.
 
-    What curves confirm removes error of prediction, all else misfit of the free run.
+    What curves confirm removes prediction error, all else misfit of the free run.
     """
     if judgement.verdict != "missing_effect":
         return judgement

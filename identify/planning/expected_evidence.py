@@ -241,7 +241,7 @@ def _known(problem: Problem, found: Fit, at: list[int], factor: Array) -> tuple[
 def _readings(own: Carried, one: Hypothesis, drawn: Array) -> Iterator[dict[str, Array]]:
     """Simulate a hypothesis at each draw of its parameters; at its fit where the motion diverges.
 
-    Of a law without a name they are alike; a random walk is another one each time.
+    Of a law outside the library they are alike; a random walk is another one each time.
     """
     problem = own.problem
     centre = problem.read(own.centre, 0, problem.respond(own.centre, 0))

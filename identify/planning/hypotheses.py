@@ -1,4 +1,4 @@
-"""The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law without a name; and their odds."""
+"""The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law outside the library; their odds."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,14 +25,14 @@ from identify.priors import RIVALS_WITHIN
 
 _SUSPECTS = 4
 _FREE_FORM = 24
-"""Numbers that a law without a name takes: the knots of its spline over the displacement."""
+"""Numbers that a law outside the library takes: the knots of its spline over the displacement."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
     """A hypothesis: the effects beyond the diagnosed model, fitted; `log_odds` are relative, nats.
 
-    `beside` is the law without a name, or the random walk of spring and damper, that acts beside the fit; None elsewhere.
+    `beside` is the law outside the library, or the random walk of spring and damper, that acts beside the fit; else None.
     `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
     `free`, the fit in which they do. `reach` are the ends of such ranges by unknown's name.
     """
@@ -49,7 +49,7 @@ class Hypothesis:
     def title(self) -> str:
         """The name in a sentence."""
         if isinstance(self.beside, NonparametricForce):
-            return "a law without a name"
+            return "a law outside the library"
         if isinstance(self.beside, RandomWalk):
             return "a random walk of spring and damper"
         free = {family.effect.name: f" with any {family.free}" for family in FAMILIES}
@@ -58,7 +58,7 @@ class Hypothesis:
 
     @property
     def has_law(self) -> bool:
-        """Whether it is a model that can be refitted: no random walk, no law without a name."""
+        """Whether it is a model that can be refitted: no random walk, no law outside the library."""
         return self.beside is None
 
     def contains(self, other: "Hypothesis") -> bool:

@@ -110,7 +110,7 @@ class NextRelease:
         does = (
             f"It would show a force that can still hide, such as {one},"
             if self.hidden
-            else f"It distinguishes {one} from {other}"
+            else f"It should distinguish {one} from {other}"
         )
         sentence = (
             f"{_capital(self._do(self.best.experiment))}. {does} with odds of {odds_words(self.best.nats)}."

@@ -17,7 +17,7 @@ def weighed_anew(
 ) -> tuple[Hypothesis, ...]:
     """Refit the leading hypotheses to the releases so far and a new one, the likeliest first.
 
-    Nothing new is looked for; a law without a name and a random walk are left out.
+    Nothing new is looked for; a law outside the library and a random walk are left out.
     """
     whole, scales = (*decays, new), scales_of(new, {})
     windows = tuple(decay.window.with_(release=i, own_linear=None) for i, decay in enumerate(whole))

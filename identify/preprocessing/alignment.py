@@ -23,7 +23,7 @@ ONE_CHANNEL = (
 LEAST_EXCESS = 0.7
 """The misfit corrects a floor read too high from a short rest, but not beyond what such a floor can be off."""
 
-TOO_LITTLE = "There is too little motion above the noise to know the lag between the channels: release from further away."
+TOO_LITTLE = "The motion is too small against the noise to find the lag of the channels: release from a larger amplitude."
 
 ENOUGH_PER_PERIOD = 64
 """Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
@@ -168,7 +168,7 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
         raise NotIdentifiable(TOO_LITTLE)
     if stated is not None and abs(found.lag - stated.value) > CONTRADICTION * np.hypot(lag_std, stated.std):
         cautions.append(
-            f"The data sheets make the lag {1e3 * stated.value:.3g} ms: suspect the delays that the board states."
+            f"By the data sheets the lag is {1e3 * stated.value:.3g} ms: suspect the delays that the board states."
         )
     if excess > 1.5:
         cautions.append(

@@ -14,7 +14,7 @@ End = Literal["record_ends", "readings_missing", "motion_too_small", "motion_end
 
 _WORDS: dict[End, str] = {
     "record_ends": "to its end",
-    "motion_too_small": "then too small beside friction and noise",
+    "motion_too_small": "then too small compared with friction and noise",
     "motion_ends": "then the mass is at rest or moved again",
     "readings_missing": "",
 }

@@ -147,11 +147,9 @@ def _no_ringing(lead: Channel, frequency: float, period: float) -> str:
     if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
         return (
             f"The motion at the strongest frequency, {frequency:.3g} Hz, ends within two cycles: it is a push, it is too "
-            "strongly damped, or its frequency changes as it falls. Leave a push out, or release from a smaller amplitude."
+            "strongly damped, or its frequency changes as it decays. Leave a push out, or release from a smaller amplitude."
         )
-    return (
-        "Nothing in the record oscillates above its noise: check the channel, or release from further away."
-    )
+    return "Nothing in the record oscillates above its noise: check the channel, or release from a larger amplitude."
 
 
 def _release(rate: float, channels: list[Channel], period: float, burst: Burst, earliest: int) -> Release:

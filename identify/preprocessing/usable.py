@@ -28,7 +28,7 @@ def usable(
     """
     frequency = flat_frequency(motion.displacement, motion.rate)
     if frequency <= 0.0:
-        raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
+        raise NotIdentifiable("no oscillation is found in the motion; release from a larger amplitude")
     first, length, omega = 0, len(motion.displacement), 2.0 * np.pi * frequency
     if decay.force is None:
         first = max(_first_free_sample(decay, frequency) - motion.start, 0)

@@ -85,7 +85,7 @@ def identify_restoring_force(
         raise NotIdentifiable(
             "too few cycles for windows of two; release from a larger amplitude or record longer"
             if window.valid.all()
-            else "readings that are lost or stand out leave too few whole stretches of two cycles; release from a larger "
+            else "lost readings and outliers leave too few whole stretches of two cycles; release from a larger "
             "amplitude, or record again"
         )
     fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
@@ -112,7 +112,7 @@ def _result(
     motion, points = window.motion, points_of(window)
     u, v = motion.displacement[points], motion.velocity[points]
     if len(points) < 8:
-        raise NotIdentifiable("hardly a sample moves faster than its noise; release from a larger amplitude")
+        raise NotIdentifiable("too few velocities exceed their noise; release from a larger amplitude")
 
     def measured(fit: ForceFit) -> Array:
         pull = np.zeros(len(points)) if window.force is None else fit.force_gain * window.force[points]

@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
 HOW = RELEASE | {
     "pre_trigger": (float, option("Seconds kept before the release (1).", type=KEPT_BEFORE, metavar="S")),
-    "level": (float, option("Smallest swing taken for a release.", type=POSITIVE, metavar="M")),
+    "level": (float, option("Smallest swing of a release, in SI units.", type=POSITIVE, metavar="SIZE")),
     "release": (
         str,
         option(
-            "The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
+            "The rig moves the mass there and releases it, as 12mm or -8mm (default: you release it by hand).",
             metavar="LENGTH",
         ),
     ),

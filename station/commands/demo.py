@@ -16,9 +16,9 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 @declared("demo")
 def command(
     settings: Settings,
-    seed: int = option("Draws bench, sensors, lag and release.", default=6, show_default=True),
+    seed: int = option("Seed of the random bench, sensors, lag and release.", default=6, show_default=True),
     speed: float = option(
-        "Times real time; 0: as fast as it goes.",
+        "Speed in multiples of real time; 0: as fast as possible.",
         type=click.FloatRange(min=0),
         default=SPEED,
         show_default=True,
@@ -98,5 +98,5 @@ def _made_of(truth: dict[str, Any]) -> Paragraph:
     return Paragraph(
         f"K {truth['stiffness']:.2f} N/m, μ₀ {MASS_KG * truth['mu_0']:.4f} N, μ₁ {MASS_KG * truth['mu_1']:.4f} N s/m, "
         f"lag {truth['displacement_late_s'] * 1e6:.1f} µs",
-        label="the simulated board was made with (which the station did not know)",
+        label="the simulated board has, unknown to the station",
     )

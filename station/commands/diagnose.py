@@ -24,16 +24,16 @@ def command(
         metavar="PERCENT",
     ),
     varies: tuple[str, ...] = VARIES,
-    anyway: bool = option("Even if the sessions look like different benches."),
+    anyway: bool = option("Diagnose together even sessions that look like different benches."),
     full: bool = FULL,
 ) -> None:
     """Find out which effect a model lacks.
 
-    SESSION is a session or a data file; several share the physics, but for
-    what --varies says was changed between them.
-    Without --model it is the current model: the refined one; before any
-    `refine` the one that `station identify` found at orders of your choice,
-    else the usual one: stiffness, dry and viscous friction.
+    SESSION is a session or a data file; several share their physics, except
+    what --varies names as changed between them.
+    Without --model the current model is diagnosed: the refined one; before any
+    `refine` the one that `station identify` found at orders of your choice;
+    else the usual one (stiffness, dry and viscous friction).
     """
     from identify.errors import NotIdentifiable
     from identify.model.model import base_model

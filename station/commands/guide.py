@@ -1,4 +1,4 @@
-"""`station guide`: say what to release next, until it is sure what is missing."""
+"""`station guide`: say what to release next, until it is clear what is missing."""
 
 import sys
 from pathlib import Path
@@ -28,9 +28,9 @@ def command(
 ) -> int:
     """Say what to release, record it, judge it, and say what to release next.
 
-    It ends when a name is confirmed by two releases, when nothing can hide any
-    more within the limits, or when no release would tell more. All releases
-    form one campaign with one report.
+    It ends when an effect is confirmed by two releases, when no effect can
+    still hide within the limits, or when no further release would help. All
+    releases form one campaign with one report.
     """
     from daq.ports import choose_port
     from station.operations.guiding import GuidedTest, limits_of

@@ -150,7 +150,7 @@ RELEASE = {
     "mass_std": (float, MASS_STD),
     "duration": (float, option("Seconds after the release (8).", type=WITHIN_AN_HOUR, metavar="S")),
     "rate": (float, option("Sampling rate (256).", type=click.FloatRange(5, 20000), metavar="HZ")),
-    "patience": (float, option("How long to wait for the release (60).", type=WITHIN_AN_HOUR, metavar="S")),
+    "patience": (float, option("Seconds to wait for the release (60).", type=WITHIN_AN_HOUR, metavar="S")),
     "specimen": (str, SPECIMEN),
     "operator": (str, OPERATOR),
     "conditions": (tuple[str, ...], CONDITIONS),

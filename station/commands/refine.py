@@ -27,7 +27,7 @@ def command(
         multiple=True,
         metavar="EFFECT",
     ),
-    removed: str | None = option("Take an effect out of the model.", "--remove", metavar="EFFECT"),
+    removed: str | None = option("Remove an effect from the model.", "--remove", metavar="EFFECT"),
     auto: bool = option("Add what is missing until the noise floor is reached; say why it stops."),
     number: int | None = option("Go back to step N.", "--to", type=click.IntRange(min=0), metavar="N"),
     reset: bool = option("Begin the ladder again."),

@@ -11,7 +11,7 @@ def command(
     settings: Settings,
     session: str = SESSION,
     speed: float = option(
-        "Times real time; 0: as fast as it goes.",
+        "Speed in multiples of real time; 0: as fast as possible.",
         type=click.FloatRange(min=0),
         default=0.0,
         show_default=True,

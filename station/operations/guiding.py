@@ -167,7 +167,7 @@ def _record(
 def _again(told: Guidance, reason: str, limits: Limits, before: list[str]) -> Guidance:
     """Return the same release again, as large as the limits allow, unless the recordings before it were rejected too."""
     if len(before) >= MOST_TAKES - 1 and all(before[1 - MOST_TAKES :]):
-        return Guidance("given_up", f"{MOST_TAKES} recordings in a row told nothing: {reason}")
+        return Guidance("given_up", f"{MOST_TAKES} recordings in a row gave no result: {reason}")
     assert told.experiment is not None
     asked = told.experiment.amplitude
     if abs(asked) <= limits.high:
@@ -180,11 +180,11 @@ def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
     """Decide what follows a release without a result: the largest amplitude, once; then the test is given up."""
     assert told.experiment is not None
     if abs(told.experiment.amplitude) >= 0.99 * limits.high:
-        return Guidance("given_up", f"The largest release told nothing: {reason}")
+        return Guidance("given_up", f"The largest release gave no result: {reason}")
     side = 1.0 if told.experiment.amplitude > 0.0 else -1.0
     return Guidance(
         "go_on",
-        f"That told nothing ({reason}). The largest amplitude shows most.",
+        f"That release gave no result ({reason}). The largest amplitude shows most.",
         Experiment(side * limits.high),
     )
 

@@ -135,7 +135,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     step = remove_effect(top, name)
     kept = _kept(step, refinement.ladder.top.model.expressions)
-    return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was taken out"))
+    return _extended(refinement, (kept,), _manual(step, f"{plain_name(name)} was removed"))
 
 
 def refine_to_floor(refinement: Refinement, found_so_far: Callable[[KeptLadder, str], None]) -> KeptLadder:
@@ -213,7 +213,7 @@ def _added(step: Step, name: str, before: Step) -> str:
         return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
     return (
-        f"{plain_name(name)} explains nothing ({percent} % of the residual, no more than chance would): take it out "
+        f"{plain_name(name)} explains nothing ({percent} % of the residual, no more than chance would): remove it "
         f"with --remove {name}"
     )
 

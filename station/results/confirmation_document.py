@@ -1,4 +1,4 @@
-"""The confirmation by curves as a document: the errors of prediction, part by part, and the effects that lower them."""
+"""The confirmation by curves as a document: the prediction errors, part by part, and the effects that lower them."""
 
 from typing import Literal
 

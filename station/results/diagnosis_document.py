@@ -83,8 +83,8 @@ class FindingDocument(Part):
 class DecidedDocument(Part):
     """What the table of verdicts weighed, in nats beyond a random walk of spring and damper, and what it decided.
 
-    `names` are the laws that are not distinguishable; `unnamed` is a law without a name in their place, `beside` one beside
-    the first of them, None where that was not weighed. Curves weigh what `explains` the "frequency" or the "loss".
+    `names` are the laws that are not distinguishable; `unnamed` is a law outside the library in their place, `beside` one
+    beside the first of them, None where that was not weighed. Curves weigh what `explains` the "frequency" or the "loss".
     """
 
     verdict: str

@@ -18,7 +18,7 @@ class TurnDocument(Part):
     there was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
     `between` are the two hypotheses that it was to distinguish, none where it was to show what can hide; of `expected_nats`
     it gave `gave_nats`.
-    `problem` says why a release told nothing.
+    `problem` says why a release gave no result.
     """
 
     session: str

@@ -89,7 +89,7 @@ def _facts(document: CampaignDocument, trends: list[TrendDocument]) -> list[tupl
         looked_at = ", ".join(dict.fromkeys(t.against for t in document.trends))
         found.append(("trends", f"none of {len(document.trends)} is significant (against {looked_at})"))
     elif any(not trend.sure for trend in trends):
-        found.append(("trends", f"dimmed: not significant, since {len(document.trends)} were tested"))
+        found.append(("trends", f"dimmed: not significant among the {len(document.trends)} tested"))
     found += _outside(document)
     found += [("failed", f"{one.session}: {one.reason}") for one in document.failed[:MOST_FAILED]]
     if len(document.failed) > MOST_FAILED:

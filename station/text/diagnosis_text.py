@@ -25,14 +25,14 @@ TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
-NO_NAME, BESIDE = "a law without a name instead", "a law without a name beside the first"
+NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
-    "named": "The effect has a name",
-    "nothing": "No law with a name is better than such a drift",
-    "no name": "Something without a name is missing",
-    "may drift": "Not decided: a law of the amplitude or of time",
+    "named": "An effect is named",
+    "nothing": "No law of the library is better than a random walk",
+    "no name": "No effect is named, because a law outside the library is not excluded",
+    "may drift": "Not decided between laws of amplitude and laws of time",
     "too many": "Not decided: too many laws are not distinguishable",
-    "leaves drift": "No name, because a drift is left above the noise",
+    "leaves drift": "No effect is named, because a random walk remains above the noise",
 }
 
 
@@ -128,12 +128,12 @@ def evidence(decided: DecidedDocument) -> Table:
         rows.append((BESIDE, three_figures(decided.beside), ""))
     of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
     of = f" in the curve of {decided.explains}" if decided.explains else of
-    caption = f"Evidence{of} beyond a random drift of spring and damper. {DECIDED[decided.verdict]}"
+    caption = f"Evidence{of} beyond a random walk, in nats (natural log odds). {DECIDED[decided.verdict]}"
     return Table(caption, ("law", "nats", "nats behind the first"), tuple(rows))
 
 
 def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
-    """Make the table of the errors of prediction on each part that was left out; none where that was not asked."""
+    """Make the table of the prediction errors on each part that was left out; none where that was not asked."""
     found = document.confirmation
     if found is None or not document.by_prediction:
         return ()
@@ -145,7 +145,7 @@ def predictions(document: DiagnosisDocument) -> tuple[Table, ...]:
         for name, before, after in rows
     )
     change = ", without and with the confirmed effects" if found.effects else ""
-    caption = f"Error of prediction on the parts that were not fitted, in % of the motion{change}"
+    caption = f"Prediction error on the parts that were not fitted, in % of the motion{change}"
     return (Table(caption, ("left out", *PREDICTED), cells),)
 
 
@@ -199,10 +199,10 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         ("other modes", " and ".join(mode["words"] for mode in document.modes)),
     ]
     left = [
-        f"{one.session} {'a run that diverges' if one.chi2 is None else residual_words(one.motion_percent, one.chi2)}"
+        f"{'a run that diverges' if one.chi2 is None else residual_words(one.motion_percent, one.chi2)} in {one.session}"
         for one in document.held_out or ()
     ]
-    found.append(("left out", f"fitted to the others, the model leaves in {', '.join(left)}" if left else ""))
+    found.append(("left out", f"fitted to the others, the model leaves {'; '.join(left)}" if left else ""))
     return found
 
 

@@ -21,8 +21,8 @@ BAR, NAME, SHOWN = 24, 27, 5
 ENDINGS: dict[State, tuple[str, Tone]] = {
     "confirmed": ("CONFIRMED", "good"),
     "nothing": ("NOTHING IS MISSING", "good"),
-    "no_name": ("SOMETHING IS MISSING, WITHOUT A NAME", "bad"),
-    "alike": ("AS FAR AS THIS RIG CAN TELL", "unsure"),
+    "no_name": ("SOMETHING IS MISSING, AND NO EFFECT CAN BE NAMED", "bad"),
+    "alike": ("NOT DISTINGUISHABLE ON THIS RIG", "unsure"),
     "given_up": ("NOT DECIDED", "unsure"),
     "go_on": ("STOPPED", "unsure"),
 }

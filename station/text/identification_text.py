@@ -14,7 +14,7 @@ from station.text.layout import sentence
 from station.text.numbers import amplitude_words, noise_words, typeset, typeset_unit
 
 KINDS = {
-    "displaced": "held away, then let go",
+    "displaced": "displaced, then let go",
     "impulse": "set going by an impulse",
     "in_motion": "already moving",
 }
@@ -64,7 +64,7 @@ def release_words(result: Identification) -> str:
         return "none: a recorded force drives the motion to the end"
     words = f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}"
     if size is not None:
-        words += f", {amplitude_words(size, decay.unit)} from its rest"
+        words += f", {amplitude_words(size, decay.unit)} from its rest position"
     rest = (release.rest[1] - release.rest[0]) / decay.rate
     return f"{words}, after {rest:.2f} s at rest" if rest > 0.0 else words
 
@@ -78,7 +78,7 @@ def lag_words(result: Identification) -> str:
     lag = with_error(abs(found.lag.value) * 1e6, found.lag.std * 1e6)
     gain = with_error(found.gain.value, found.gain.std)
     caution = f". {found.caution}" if found.caution else ""
-    return f"displacement {late} by {lag} µs, corrected; gain of the acceleration against it {gain}{caution}"
+    return f"displacement {late} by {lag} µs, corrected; acceleration gain relative to it {gain}{caution}"
 
 
 def methods_table(result: Identification, *, full: bool = False) -> Table:

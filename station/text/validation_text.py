@@ -1,4 +1,4 @@
-"""A validation in words: the verdict, then the errors of prediction session by session."""
+"""A validation in words: the verdict, then the prediction errors session by session."""
 
 import math
 
@@ -27,7 +27,7 @@ def told(document: ValidationDocument) -> Told:
 
 
 def predictions(document: ValidationDocument) -> Table:
-    """Make the table of the errors of prediction of each session, by the usual model and by this one."""
+    """Make the table of the prediction errors of each session, by the usual model and by this one."""
     rows, marks = [], []
     for one in document.sessions:
         word = "better" if one.better else "worse" if one.worse else "alike"

@@ -65,7 +65,7 @@ class GuideRun(CaptureRun):
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """Note the verdict, the odds, and what the release gave."""
         if document is None:
-            self.guide = replace(self.guide, verdict=f"It told nothing: {turn.problem}", gave="")
+            self.guide = replace(self.guide, verdict=f"No result: {turn.problem}", gave="")
             return
         self.guide = replace(
             self.guide,

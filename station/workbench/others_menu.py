@@ -50,8 +50,8 @@ def validate_dialog(session: SessionState, session_list: SessionList) -> ui.dial
     with ui.dialog() as dialog, ui.element("div").classes("card dialog"):
         widgets.label("Validate on another release", "strong")
         widgets.label(
-            "The physics of the model stays as it is; only the start, the zero and the lag of the other release are "
-            "fitted. A model that is right predicts it better than the usual one.",
+            "The physics of the model is held, spring and viscous damping near their values; start, zero, lag, gain and "
+            "offsets of the other release are refitted. A model that is right predicts it better than the usual one.",
             "small wrap",
         )
         with widgets.line():

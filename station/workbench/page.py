@@ -147,7 +147,7 @@ class Page:
             "reveal": lambda _: session.start("Asking the simulated board", tasks.reveal),
             "go": lambda place: session.change(f"Going to step {place}", refining.go_to, int(place)),
             "undo": lambda _: session.undo(),
-            "remove": lambda name: session.change(f"Taking {plain_name(name)} out", refining.remove, name),
+            "remove": lambda name: session.change(f"Removing {plain_name(name)}", refining.remove, name),
             "report": lambda _: self._write_report(),
             "validate": lambda _: validate(),
             "prune": lambda _: session.change("Trying to do without each effect", refining.drop_needless),

@@ -40,7 +40,7 @@ def test_under_every_imperfection_at_once_a_force_is_named_and_what_it_leaves_is
     assert not diagnosed.baseline.adequate(diagnosed.final)
     assert diagnosed.named == (hidden,)
     assert (
-        "times the noise, but neither a random drift nor a smooth law explains more of it"
+        "times the noise, but neither a random walk nor a smooth law explains more of it"
         in diagnosed.explanation
     )
 

@@ -67,7 +67,7 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     assert found.walk is not None
     assert found.walk.stiffness > 0.0
     assert (
-        "a random drift in stiffness of about 0.01 % in one second explains it as well" in found.explanation
+        "a random walk in stiffness of about 0.01 % in one second explains the residual" in found.explanation
     )
     assert "together" in found.next_experiment
 
@@ -130,7 +130,7 @@ def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, wal
     assert found.final.reduced > 2.0
     assert found.walk is not None
     assert found.walk.reduced < found.baseline.highest
-    assert "a random drift in" in found.caution
+    assert "a random walk in" in found.caution
     stated = found.baseline.stated(found.final).values
     known = {
         f"{name}.{p}": value for p, value in truth["parameters"][name].items() if isinstance(value, float)
@@ -144,7 +144,7 @@ def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, wal
 def test_what_remains_beside_a_drift_is_said_to_be_one():
     steps = refine((release("cubic_stiffness+wandering_stiffness", (0.03, 0.003), 41000)[0],))
     assert [step.added for step in steps.steps[1:]] == ["cubic_stiffness"]
-    assert "random drift" in steps.stopped_because
+    assert "random walk" in steps.stopped_because
 
 
 def test_a_walk_is_followed_beyond_where_the_motion_is_linear_in_it():

@@ -74,7 +74,7 @@ def test_with_nothing_hidden_hardly_ever_a_place_stands_out():
 
 def test_with_nothing_hidden_the_summary_says_so_and_nobody_is_accused():
     found = next(compared(None, 0.0, s) for s in NOISE_ONLY if not compared(None, 0.0, s).places)
-    assert found.summary == "No place stands out of the noise."
+    assert found.summary == "No discrepancy exceeds the noise."
     assert "within its noise" in found.cause
 
 
@@ -107,7 +107,7 @@ def test_a_sensor_that_breaks_kinematics_is_told_from_physics(fault, seed):
 @pytest.mark.parametrize("effect", ["cubic_stiffness", "quadratic_damping", "end_stop", "harmonic_forcing"])
 def test_physics_breaks_no_kinematics(effect):
     found = compared(effect, 0.01, 2)
-    assert "it is physics" in found.cause
+    assert "the cause is physics" in found.cause
 
 
 def test_a_drifting_accelerometer_is_found_by_its_zero():

@@ -67,10 +67,10 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     percent = motion_percent(next(s.fit for s in found.suspects if s.effect.name == "settling_stiffness"))
     leaves = {s.effect.name: f"{s.error_after**0.5:.3g} times" for s in found.suspects}
     assert f"Settling stiffness would leave {percent:.3g} % of the motion" in found.explanation
-    said = f", time varying stiffness {leaves['time_varying_stiffness']}, where the floor is"
+    said = f", time varying stiffness {leaves['time_varying_stiffness']}; the noise floor is"
     assert said in found.explanation
-    assert "the residual has no name" in found.explanation
-    assert "does not name" not in found.explanation
+    assert "No effect can be named for the rest" in found.explanation
+    assert "and no effect can be named" not in found.explanation
 
 
 LINES = ("mains_hum", "harmonic_forcing")
@@ -105,14 +105,14 @@ def test_a_line_below_what_is_worth_a_name_is_a_remark():
     found = hummed(1.1e-3)
     assert found.verdict == "nothing_missing"
     assert "The displacement has a line at 23.1" in found.explanation
-    assert "too small to be worth a name" in found.explanation
+    assert "too small to be named" in found.explanation
 
 
 @pytest.mark.parametrize(
     ("kind", "sure", "before", "after", "told"),
     [
-        ("sensor", False, 9.98, 9.80, "That is 4 % of the residual: 9.80 % of the motion remains"),
-        ("sensor", False, 9.98, 9.975, "That is hardly any of the residual"),
+        ("sensor", False, 9.98, 9.80, "The fault explains 4 % of the residual: 9.80 % of the motion remains"),
+        ("sensor", False, 9.98, 9.975, "The fault explains hardly any of the residual"),
         ("sensor", False, 9.98, 3.0, ""),  # most of it
         ("sensor", False, 0.5, 0.4, ""),  # little is left
         ("sensor", True, 9.98, 9.80, ""),
@@ -134,7 +134,7 @@ def test_of_a_channel_that_the_displacement_does_not_show_the_misfit_is_told_tha
     drift = 0.01 * np.arange(len(sample.displacement)) / sample.rate
     channels = {"displacement": sample.displacement, "acceleration": sample.acceleration + drift}
     found = diagnose(FreeDecay(sample.rate, **channels), library=(find_effect("offset_drift"),))
-    told = re.search(r"the misfit from ([\d.]+) to ([\d.]+) % of the acceleration", found.explanation)
+    told = re.search(r"the residual from ([\d.]+) to ([\d.]+) % of the acceleration", found.explanation)
     assert float(told[2]) < 0.7 * float(told[1])
 
 

@@ -74,7 +74,7 @@ def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
     found = diagnose(FreeDecay(10.0, displacement=u, velocity=v))
     assert not found.baseline.adequate(found.baseline.fit)
     assert (found.verdict, found.named) == ("nothing_missing", ())
-    assert "too little to be worth a name" in found.explanation
+    assert "too little to name an effect" in found.explanation
 
 
 def test_readings_that_are_lost_are_told_where_the_misfit_is_next_to_nothing():

@@ -47,17 +47,17 @@ def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_whe
     removed = (before**2 - after**2) ** 0.5
     assert removed < 0.5
     assert f"from {before:.3g} to {after:.3g} % of the motion" in found.explanation
-    assert f"It explains little, {removed:.3g} % of the motion" in found.explanation
+    assert f"The named effect removes only {removed:.3g} % of the motion" in found.explanation
     assert diagnose((prepared,), library=FORCES, worth=0.9 * removed).named == ("cubic_stiffness",)
     small = diagnose((prepared,), library=FORCES, worth=1.1 * removed)
     assert (small.verdict, small.named) == ("nothing_missing", ())
     assert not any(suspect.claimed for suspect in small.suspects)
     assert small.explanation.startswith(
-        f"Cubic stiffness is sure, but it removes only {removed:.3g} % of the motion"
+        f"Cubic stiffness is significant, but it removes only {removed:.3g} % of the motion"
     )
     ladder = small.refine()
     assert len(ladder.steps) == 1
-    assert ladder.stopped_because == "the residual is too small a part of the motion to be worth a name"
+    assert ladder.stopped_because == "the residual is too small a part of the motion to name an effect"
 
 
 def test_the_verdict_follows_from_what_was_weighed():

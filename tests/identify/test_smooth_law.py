@@ -1,4 +1,4 @@
-"""A smooth law without a name: none is seen in noise or in a random walk, and one where the library holds no law for it."""
+"""A smooth law outside the library: none is seen in noise or in a random walk, and one where the library has none."""
 
 import pytest
 from releases import ready

@@ -109,7 +109,7 @@ def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) 
         nonsmooth=True,
         of_time=form.over == "t",
         rarity=2,
-        symptom="what was measured, without a name",
+        symptom="what was measured, as a curve",
         confirming_test="another release: a force that belongs to the bench is the same curve there",
     )
 

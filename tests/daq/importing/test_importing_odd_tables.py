@@ -371,7 +371,7 @@ def test_without_names_the_only_column_that_rises_evenly_is_the_time_wherever_it
     assert "--rate" not in str(caught.value)
     recording = load(tmp_path, text, columns={"displacement": 1}, units={"displacement": "deg"})
     assert recording.rate == pytest.approx(RATE, rel=1e-3)
-    assert "column 2 has no name that says so, but its numbers rise evenly" in said(recording)
+    assert "column 2 is not named as a time, but its numbers rise evenly" in said(recording)
 
 
 def test_a_column_that_stands_still_is_no_motion_to_choose(tmp_path: Path) -> None:

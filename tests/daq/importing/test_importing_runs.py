@@ -239,7 +239,7 @@ def test_a_part_is_read_by_the_times_of_the_file(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     recording = load(tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=34.192, stop=35.0)
     np.testing.assert_allclose(recording.samples[0], x[50:132], rtol=1e-8, atol=1e-12)
-    assert "its own go from 33.692 s to 35.682 s" in refusal(
+    assert "its times go from 33.692 s to 35.682 s" in refusal(
         tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=0.0, stop=1.0
     )
 

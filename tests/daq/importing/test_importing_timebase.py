@@ -326,5 +326,5 @@ def test_time_without_a_name_is_found_though_it_is_rounded_to_more_than_a_sample
     rows = "\n".join(f"{t:.2E}\t{20.0 * math.cos(3.0 * t):.3f}\t0.01\t0.01" for t in time)
     recording = load(tmp_path, f"x y dx dy\t\t\t\n{rows}", units={"displacement": "deg"})
     assert recording.rate == pytest.approx(30.0, rel=2e-3)
-    assert "'x' has no name that says so, but its numbers rise evenly" in said(recording)
+    assert "'x' is not named as a time, but its numbers rise evenly" in said(recording)
     assert np.abs(recording.samples[0][0]) == pytest.approx(math.radians(20.0), rel=1e-3)
