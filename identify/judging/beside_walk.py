@@ -47,9 +47,10 @@ _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
 
 
 def smooth_law_beside(walk: RandomWalk) -> float:
-    """Weigh a smooth law beside a fit and a walk of its spring and damper, against the walk alone (nats).
+    """Weigh a smooth law beside a fit, with a walk of its spring and damper or without one, against the walk (nats).
 
-    All coordinates are equally probable; a law's size is not known, and a large one is rarer.
+    All coordinates are equally probable; a law's size is not known, and a large one is rarer. None of a walk has half of the
+    weight: what a law explains needs no walk.
     """
     place, misfit, follows = walk.place, walk.misfit, walk.follows
     of_walk, with_walk = follows.T @ follows, follows.T @ misfit
@@ -64,9 +65,11 @@ def smooth_law_beside(walk: RandomWalk) -> float:
         for size, prior in zip(SIZES[1:], rarer, strict=True):
             scale = size / np.arange(1, _ORDERS + 1)
             wide = np.concatenate([np.ones(len(with_walk)), scale])
-            beside, _ = explained_by(products * np.outer(wide, wide), np.concatenate([with_walk, along * scale]))
+            beside, _ = explained_by(
+                products * np.outer(wide, wide), np.concatenate([with_walk, along * scale])
+            )
             alone, _ = explained_by(own * np.outer(scale, scale), along * scale)
-            each.append(prior + np.logaddexp(beside - known, alone - np.log(2.0) - walk.evidence))
+            each.append(prior + max(beside - known, alone - np.log(2.0) - walk.evidence))
     return float(np.logaddexp.reduce(each) - np.log(len(each) / len(rarer)))
 
 

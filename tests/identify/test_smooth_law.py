@@ -1,12 +1,16 @@
 """A smooth law outside the library: none is seen in noise or in a random walk, and one where the library has none."""
 
+import numpy as np
 import pytest
 from releases import ready
+from scipy.integrate import solve_ivp
 
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
+from identify.free_decay import FreeDecay
 from identify.judging.beside_walk import smooth_law_beside
 from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 
 
@@ -38,3 +42,19 @@ def test_a_random_walk_is_no_law():
     walk = walk_beside(found)
     assert walk.evidence > 10.0
     assert smooth_law_beside(walk) < 4.0
+
+
+def test_a_law_that_a_walk_could_follow_is_no_less_a_law():
+    """A spring that gives way beyond a deflection, one channel: a walk of the stiffness follows most of it, too."""
+
+    def rates(_, y):
+        return [y[1], -300.0 * y[0] - 0.4 * y[1] + 10.0 * np.sign(y[0]) * max(abs(y[0]) - 0.4, 0.0)]
+
+    decays, time = [], np.arange(1600) / 200.0
+    for seed, angle in enumerate((0.56, -0.28)):
+        u = solve_ivp(rates, (0.0, 8.0), [angle, 0.0], t_eval=time, rtol=1e-9, atol=1e-11).y[0]
+        noise = 1.3e-3 * np.random.default_rng(seed).standard_normal(len(u))
+        decays.append(prepare(FreeDecay(200.0, displacement=u + noise, unit="rad")))
+    walk = walk_beside(fit_baseline(tuple(decays), base_model()).fit)
+    assert walk.evidence > 100.0
+    assert smooth_law_beside(walk) > 4.0
