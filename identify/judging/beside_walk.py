@@ -25,6 +25,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
+from identify.preprocessing.fit_window import windows_by_release
 from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
@@ -103,12 +104,13 @@ def weigh(
     effects: dict[str, Effect],
     last: RandomWalk,
     unit: float,
-    alpha: float,
+    baseline: Baseline,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `unit` is the unit of chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
+    as much. `unit` is the unit of chi-square in which `nats` were counted. In one release the amplitude falls with time, so
+    a law of one is a law of the other, but for harmonics that only a known noise floor shows.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
@@ -116,8 +118,8 @@ def weigh(
         effects,
         unnamed=smooth_law_beside(before) / unit,
         beside=smooth_law_beside(last) / unit,
-        drift_weighed=True,
-        alpha=alpha,
+        drift_weighed=baseline.floor_is_sure or len(windows_by_release(last.place.found.windows)) > 1,
+        alpha=baseline.alpha,
     )
 
 
@@ -136,7 +138,7 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
         unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
-        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline.alpha)]
+        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline)]
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
     if walk is not None and not baseline.adequate(final):
         decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
@@ -156,7 +158,7 @@ def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> E
     near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
     effects = {one.name: one.term.effect for one in near}
-    found = weigh(before, nats, effects, last, own.unit, baseline.alpha)
+    found = weigh(before, nats, effects, last, own.unit, baseline)
     known = baseline.floor_is_sure or not own.term.is_force or _is_determined(own)
     named = found.verdict == "named"
     return replace(found, verdict="no name") if named and not (known and own.name in found.names) else found

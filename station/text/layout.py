@@ -74,7 +74,7 @@ def show_parts(console: Console, parts: Iterable[Part]) -> None:
                 console.print(Padding(Text(_plain(words)), (0, 1)))
             case Table():
                 if part.caption:
-                    console.print(Text(f" {part.caption}", style="bold"))
+                    console.print(Padding(Text(part.caption, style="bold"), (0, 1)))
                 if any(part.head) or _fits(part, console.width - 1):
                     console.print(Padding(grid(part, console.width - 1), (0, 0, 0, 1)))
                     continue
