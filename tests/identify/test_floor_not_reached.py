@@ -47,7 +47,7 @@ def test_a_spring_of_a_power_law_is_not_named_a_spring_that_settles():
         (0.0, 10.0), [0.13, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
     )  # fmt: skip
     noisy = run.y[0] + 6e-4 * np.random.default_rng(1).standard_normal(len(time))
-    springs = ("settling_stiffness", "time_varying_stiffness", "cubic_stiffness", "signed_quadratic_stiffness")
+    springs = ("settling_stiffness", "time_varying_stiffness", "cubic_stiffness")
     found = diagnose(FreeDecay(125.0, noisy, unit="rad"), library=tuple(find_effect(n) for n in springs))
     assert found.suspects[0].effect.name == "settling_stiffness"
     assert found.baseline.adequate(found.suspects[0].fit)
