@@ -175,8 +175,8 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
         return ""
     part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
     return (
-        f" The fault explains {part} of the residual: {three_figures(left)} % of the motion remains. Only a guessed noise "
-        "floor accepts that, and a force may hide in it."
+        f" What is named explains {part} of the residual: {three_figures(left)} % of the motion remains. Only a guessed "
+        "noise floor accepts that, and a force may hide in it."
     )
 
 
@@ -187,7 +187,7 @@ def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, set
     small, force = "", named is not None and named.kind == "physics" and named.confirmed is None
     if force and removed < LARGE and releases == 1:
         small = (
-            f"The named effect removes only {three_figures(removed)} % of the motion: diagnose the record together with "
+            f"What is named removes only {three_figures(removed)} % of the motion: diagnose the record together with "
             "another release before you rely on the name."
         )
     drift = walk_sentence(judgement.walk, named=named is not None, releases=releases)
@@ -257,16 +257,15 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
     before = baseline.reduced(baseline.fit)
     whole = _left(baseline, baseline.fit, before)
-    floor = f"the noise floor is 1 ± {0.5 * baseline.spread:.2g} times"  # the rms errs by half as much as chi-square
+    floor = f"noise alone would leave 1 ± {0.5 * baseline.spread:.2g} times"  # the rms errs by half as much as chi-square
     if best is None:
         return f"Something is missing, and no effect can be named: the model leaves {whole}; {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
     most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
-    rest = "No effect can be named for the rest"
+    rest = "No effect explains the rest"
     shown = most or [best]
     if baseline.adequate(shown[0].fit):
-        alone = "One release is not enough to confirm it"
-        rest = "This record does not distinguish them" if len(shown) > 1 else alone
+        rest = "None of these is confirmed" if len(shown) > 1 else "It is not confirmed"
     leaves = _each_leaves(baseline, shown)
     return f"Something is missing: the model leaves {whole}. {leaves}; {floor}. {rest}."
 
@@ -294,7 +293,12 @@ def _unknown(
         best = min(tried, key=lambda s: s.error_after, default=suspects[0])
     first = _what_is_missing(baseline, best, suspects)
     by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
-    if by_curves and judgement.confirmation is None:
+    if any(decided.verdict == "may drift" for decided in judgement.decided):
+        first += (
+            " Its amplitude falls with time, so a law of one is not distinguished from a law of the other: diagnose it "
+            "together with a release from a quarter of the amplitude."
+        )
+    elif by_curves and judgement.confirmation is None:
         first += (
             " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."

@@ -113,7 +113,7 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
     named, near = leading(found), _near(found)
     if named != found.named and not near:
         nearly = among([plain_name(name) for name in found.named])
-        words = f"{_named(named)}: {nearly} would explain the releases nearly as well."
+        words = f"{_named(named)}: {nearly} would explain the releases less well."
         return Guidance("confirmed", words, None, chosen, named)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""

@@ -26,7 +26,7 @@ from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
 from identify.preprocessing.fit_window import windows_by_release
-from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import BENDS_OVER, CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -56,6 +56,8 @@ def smooth_law_beside(walk: RandomWalk) -> float:
     place, misfit, follows = walk.place, walk.misfit, walk.follows
     of_walk, with_walk = follows.T @ follows, follows.T @ misfit
     known, _ = explained_by(of_walk, with_walk)
+    # The misfit without a walk is a straight line's where the motion was simulated with one.
+    no_walk = 0.5 * (walk.without - float(misfit @ misfit)) - np.log(2.0) - walk.evidence
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
     each = []
@@ -70,7 +72,7 @@ def smooth_law_beside(walk: RandomWalk) -> float:
                 products * np.outer(wide, wide), np.concatenate([with_walk, along * scale])
             )
             alone, _ = explained_by(own * np.outer(scale, scale), along * scale)
-            each.append(prior + max(beside - known, alone - np.log(2.0) - walk.evidence))
+            each.append(prior + max(beside - known, alone + no_walk))
     return float(np.logaddexp.reduce(each) - np.log(len(each) / len(rarer)))
 
 
@@ -109,8 +111,8 @@ def weigh(
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `unit` is the unit of chi-square in which `nats` were counted. In one release the amplitude falls with time, so
-    a law of one is a law of the other, but for harmonics that only a known noise floor shows.
+    as much. `unit` is the unit of chi-square in which `nats` were counted. Where the floor is a guess, only releases from
+    unlike amplitudes distinguish a law of time from one of the amplitude, which falls with time.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
@@ -118,9 +120,16 @@ def weigh(
         effects,
         unnamed=smooth_law_beside(before) / unit,
         beside=smooth_law_beside(last) / unit,
-        drift_weighed=baseline.floor_is_sure or len(windows_by_release(last.place.found.windows)) > 1,
+        drift_weighed=baseline.floor_is_sure or _amplitudes_differ(baseline),
         alpha=baseline.alpha,
     )
+
+
+def _amplitudes_differ(baseline: Baseline) -> bool:
+    """Check that the releases begin at amplitudes over whose ratio a law may bend by half."""
+    places = windows_by_release(baseline.fit.windows).values()
+    begin = [baseline.decays[own[0]].amplitude for own in places]
+    return bool(np.log(max(begin) / min(begin)) > 0.5 * BENDS_OVER)
 
 
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
@@ -232,7 +241,7 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random walk {' and '.join(drifts)} in one second"
     if named:
-        return f"Besides the named effect, {drift} remains; with it no other effect is likelier."
+        return f"Besides what is named, {drift} remains; with it no other effect is likelier."
     apart = "A random walk is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains the residual as well.{f' {apart}' if releases == 1 else ''}"
 

@@ -26,7 +26,7 @@ CAUTION = (
 )
 CURVE = (
     "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
-    "It has no name: {} in the model file keeps it, and `station validate` tests it on other releases."
+    "It is no effect of the library: {} in the model file keeps it, and `station validate` tests it on other releases."
 )
 
 

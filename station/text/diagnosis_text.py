@@ -27,10 +27,10 @@ PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
-    "named": "An effect is named",
+    "named": "It is enough for a name",
     "nothing": "No law of the library is better than a random walk",
-    "no name": "No effect is named, because a law outside the library is not excluded",
-    "may drift": "Not decided between laws of amplitude and laws of time",
+    "no name": "No effect is named: the evidence does not single one out",
+    "may drift": "No effect is named: a law of time is not distinguished from one of the amplitude",
     "too many": "Not decided: too many laws are not distinguishable",
     "leaves drift": "No effect is named, because a random walk remains above the noise",
 }

@@ -67,9 +67,9 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     percent = motion_percent(next(s.fit for s in found.suspects if s.effect.name == "settling_stiffness"))
     leaves = {s.effect.name: f"{s.error_after**0.5:.3g} times" for s in found.suspects}
     assert f"Settling stiffness would leave {percent:.3g} % of the motion" in found.explanation
-    said = f", time varying stiffness {leaves['time_varying_stiffness']}; the noise floor is"
+    said = f", time varying stiffness {leaves['time_varying_stiffness']}; noise alone would leave"
     assert said in found.explanation
-    assert "No effect can be named for the rest" in found.explanation
+    assert "No effect explains the rest" in found.explanation
     assert "and no effect can be named" not in found.explanation
 
 
@@ -111,8 +111,8 @@ def test_a_line_below_what_is_worth_a_name_is_a_remark():
 @pytest.mark.parametrize(
     ("kind", "sure", "before", "after", "told"),
     [
-        ("sensor", False, 9.98, 9.80, "The fault explains 4 % of the residual: 9.80 % of the motion remains"),
-        ("sensor", False, 9.98, 9.975, "The fault explains hardly any of the residual"),
+        ("sensor", False, 9.98, 9.80, "What is named explains 4 % of the residual: 9.80 % of the motion remains"),
+        ("sensor", False, 9.98, 9.975, "What is named explains hardly any of the residual"),
         ("sensor", False, 9.98, 3.0, ""),  # most of it
         ("sensor", False, 0.5, 0.4, ""),  # little is left
         ("sensor", True, 9.98, 9.80, ""),

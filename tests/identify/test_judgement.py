@@ -47,7 +47,7 @@ def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_whe
     removed = (before**2 - after**2) ** 0.5
     assert removed < 0.5
     assert f"from {before:.3g} to {after:.3g} % of the motion" in found.explanation
-    assert f"The named effect removes only {removed:.3g} % of the motion" in found.explanation
+    assert f"What is named removes only {removed:.3g} % of the motion" in found.explanation
     assert diagnose((prepared,), library=FORCES, worth=0.9 * removed).named == ("cubic_stiffness",)
     small = diagnose((prepared,), library=FORCES, worth=1.1 * removed)
     assert (small.verdict, small.named) == ("nothing_missing", ())
