@@ -111,7 +111,13 @@ def test_a_line_below_what_is_worth_a_name_is_a_remark():
 @pytest.mark.parametrize(
     ("kind", "sure", "before", "after", "told"),
     [
-        ("sensor", False, 9.98, 9.80, "What is named explains 4 % of the residual: 9.80 % of the motion remains"),
+        (
+            "sensor",
+            False,
+            9.98,
+            9.80,
+            "What is named explains 4 % of the residual: 9.80 % of the motion remains",
+        ),
         ("sensor", False, 9.98, 9.975, "What is named explains hardly any of the residual"),
         ("sensor", False, 9.98, 3.0, ""),  # most of it
         ("sensor", False, 0.5, 0.4, ""),  # little is left
