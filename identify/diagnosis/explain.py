@@ -295,7 +295,7 @@ def _unknown(
     by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
     if any(decided.verdict == "may drift" for decided in judgement.decided):
         first += (
-            " Its amplitude falls with time, so a law of one is not distinguished from a law of the other: diagnose it "
+            " The amplitude falls with time, so a law of one is not distinguished from a law of the other: diagnose it "
             "together with a release from a quarter of the amplitude."
         )
     elif by_curves and judgement.confirmation is None:

@@ -47,16 +47,16 @@ _LAWS: tuple[Callable[[Array, Array, Array], tuple[Array, Array]], ...] = (
 """The coordinate of a law and the factor of its force, from displacement, velocity and time within -1 and 1."""
 
 
-def smooth_law_beside(walk: RandomWalk) -> float:
-    """Weigh a smooth law beside a fit, with a walk of its spring and damper or without one, against the walk (nats).
+def smooth_law_evidence(walk: RandomWalk) -> float:
+    """Weigh a smooth law beside a fit, with its walk of spring and damper or in place of it, against the walk (nats).
 
-    All coordinates are equally probable; a law's size is not known, and a large one is rarer. None of a walk has half of the
-    weight: what a law explains needs no walk.
+    All coordinates are equally probable; a law's size is not known, and a large one is rarer. Half of the weight is on no
+    walk.
     """
     place, misfit, follows = walk.place, walk.misfit, walk.follows
     of_walk, with_walk = follows.T @ follows, follows.T @ misfit
     known, _ = explained_by(of_walk, with_walk)
-    # The misfit without a walk is a straight line's where the motion was simulated with one.
+    # Where the motion was simulated with a walk, the misfit without one is only extrapolated.
     no_walk = 0.5 * (walk.without - float(misfit @ misfit)) - np.log(2.0) - walk.evidence
     rarer = -NAMELESS_IS * np.arange(len(SIZES) - 1)
     rarer -= np.logaddexp.reduce(rarer)
@@ -118,15 +118,15 @@ def weigh(
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
-        unnamed=smooth_law_beside(before) / unit,
-        beside=smooth_law_beside(last) / unit,
+        unnamed=smooth_law_evidence(before) / unit,
+        beside=smooth_law_evidence(last) / unit,
         drift_weighed=baseline.floor_is_sure or _amplitudes_differ(baseline),
         alpha=baseline.alpha,
     )
 
 
 def _amplitudes_differ(baseline: Baseline) -> bool:
-    """Check that the releases begin at amplitudes over whose ratio a law may bend by half."""
+    """Check that the releases begin at amplitudes whose ratio is more than half of what a law needs to bend."""
     places = windows_by_release(baseline.fit.windows).values()
     begin = [baseline.decays[own[0]].amplitude for own in places]
     return bool(np.log(max(begin) / min(begin)) > 0.5 * BENDS_OVER)
@@ -209,8 +209,8 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     found = decide(
         {one.name: (nats - alone.evidence) / unit for one, nats in together.items()},
         {one.name: one.term.effect for one in ranked},
-        unnamed=smooth_law_beside(alone) / unit,
-        beside=smooth_law_beside(walks[best]) / unit,
+        unnamed=smooth_law_evidence(alone) / unit,
+        beside=smooth_law_evidence(walks[best]) / unit,
     )
     if found.verdict != "named":
         return None

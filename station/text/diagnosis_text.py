@@ -27,7 +27,7 @@ PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
-    "named": "It is enough for a name",
+    "named": "The evidence suffices for a name",
     "nothing": "No law of the library is better than a random walk",
     "no name": "No effect is named: the evidence does not single one out",
     "may drift": "No effect is named: a law of time is not distinguished from one of the amplitude",

@@ -6,7 +6,7 @@ from releases import ready
 from identify.diagnosis.diagnose import diagnose, refine
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
-from identify.judging.beside_walk import smooth_law_beside
+from identify.judging.beside_walk import smooth_law_evidence
 from identify.model.model import base_model
 from mocks.generate import draw
 
@@ -93,9 +93,9 @@ def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
     beside = walk_beside(found.final)
-    assert max(beside.evidence, smooth_law_beside(beside)) < 0.0
+    assert max(beside.evidence, smooth_law_evidence(beside)) < 0.0
     alone = fit_baseline((prepared,), base_model()).walk
-    assert 0.0 < alone.evidence + smooth_law_beside(alone) < found.suspects[0].evidence
+    assert 0.0 < alone.evidence + smooth_law_evidence(alone) < found.suspects[0].evidence
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
 from identify.free_decay import FreeDecay
-from identify.judging.beside_walk import smooth_law_beside
+from identify.judging.beside_walk import smooth_law_evidence
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
@@ -23,7 +23,7 @@ def usual_model(hidden, strength, seed):
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_noise_shows_no_law(seed):
     found = usual_model(None, 0.0, seed)
-    assert smooth_law_beside(walk_beside(found)) < 0.0
+    assert smooth_law_evidence(walk_beside(found)) < 0.0
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_noise_shows_no_law(seed):
 def test_a_law_is_seen_whether_it_has_a_name_or_not(hidden):
     found = usual_model(hidden, 0.003, 1)
     walk = walk_beside(found)
-    explains = smooth_law_beside(walk)
+    explains = smooth_law_evidence(walk)
     assert explains > 10.0
     assert explains + walk.evidence < 0.5 * found.chi_square
 
@@ -41,13 +41,13 @@ def test_a_random_walk_is_no_law():
     found = usual_model("wandering_stiffness", 0.0003, 1)
     walk = walk_beside(found)
     assert walk.evidence > 10.0
-    assert smooth_law_beside(walk) < 4.0
+    assert smooth_law_evidence(walk) < 4.0
 
 
 def test_walk_and_law_explain_no_more_than_there_is_where_the_motion_is_simulated_with_the_walk():
     walk = walk_beside(usual_model("cubic_stiffness+wandering_stiffness", (0.03, 0.003), 41000)).simulated
     assert walk.evidence > 1e6
-    assert smooth_law_beside(walk) + walk.evidence < 0.5 * walk.without
+    assert smooth_law_evidence(walk) + walk.evidence < 0.5 * walk.without
 
 
 def test_a_law_that_a_walk_could_follow_is_no_less_a_law():
@@ -63,4 +63,4 @@ def test_a_law_that_a_walk_could_follow_is_no_less_a_law():
         decays.append(prepare(FreeDecay(200.0, displacement=u + noise, unit="rad")))
     walk = walk_beside(fit_baseline(tuple(decays), base_model()).fit)
     assert walk.evidence > 100.0
-    assert smooth_law_beside(walk) > 2.0
+    assert smooth_law_evidence(walk) > 2.0
