@@ -293,12 +293,7 @@ def _unknown(
         best = min(tried, key=lambda s: s.error_after, default=suspects[0])
     first = _what_is_missing(baseline, best, suspects)
     by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
-    if any(decided.verdict == "may drift" for decided in judgement.decided):
-        first += (
-            " The amplitude falls with time, so a law of one is not distinguished from a law of the other: diagnose it "
-            "together with a release from a quarter of the amplitude."
-        )
-    elif by_curves and judgement.confirmation is None:
+    if by_curves and judgement.confirmation is None:
         first += (
             " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."

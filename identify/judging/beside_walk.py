@@ -25,8 +25,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import at_rest
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
-from identify.preprocessing.fit_window import windows_by_release
-from identify.priors import BENDS_OVER, CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -106,13 +105,12 @@ def weigh(
     effects: dict[str, Effect],
     last: RandomWalk,
     unit: float,
-    baseline: Baseline,
+    alpha: float,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `unit` is the unit of chi-square in which `nats` were counted. Where the floor is a guess, only releases from
-    unlike amplitudes distinguish a law of time from one of the amplitude, which falls with time.
+    as much. `unit` is the unit of chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
@@ -120,16 +118,9 @@ def weigh(
         effects,
         unnamed=smooth_law_evidence(before) / unit,
         beside=smooth_law_evidence(last) / unit,
-        drift_weighed=baseline.floor_is_sure or _amplitudes_differ(baseline),
-        alpha=baseline.alpha,
+        drift_weighed=True,
+        alpha=alpha,
     )
-
-
-def _amplitudes_differ(baseline: Baseline) -> bool:
-    """Check that the releases begin at amplitudes whose ratio is more than half of what a law needs to bend."""
-    places = windows_by_release(baseline.fit.windows).values()
-    begin = [baseline.decays[own[0]].amplitude for own in places]
-    return bool(np.log(max(begin) / min(begin)) > 0.5 * BENDS_OVER)
 
 
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
@@ -147,7 +138,7 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
         unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
-        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline)]
+        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline.alpha)]
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
     if walk is not None and not baseline.adequate(final):
         decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
@@ -167,7 +158,7 @@ def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> E
     near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
     effects = {one.name: one.term.effect for one in near}
-    found = weigh(before, nats, effects, last, own.unit, baseline)
+    found = weigh(before, nats, effects, last, own.unit, baseline.alpha)
     known = baseline.floor_is_sure or not own.term.is_force or _is_determined(own)
     named = found.verdict == "named"
     return replace(found, verdict="no name") if named and not (known and own.name in found.names) else found

@@ -39,25 +39,6 @@ def test_a_spring_leads_though_the_noise_is_unknown_and_small_forces_are_beside_
     assert found.named in (((name,),) if name == "pendulum_stiffness" else ((name,), ()))
 
 
-@pytest.mark.parametrize("angles", [(0.13,), (0.13, -0.125)])
-def test_a_spring_of_a_power_law_is_not_named_a_spring_that_settles(angles: tuple[float, ...]):
-    """From one amplitude that falls with time: what it does to the spring may be time's doing or its own."""
-    time, decays = np.arange(1250) / 125.0, []
-    for seed, angle in enumerate(angles):
-        run = solve_ivp(
-            lambda t, y: [y[1], -490.0 * y[0] - 170.0 * np.sign(y[0]) * abs(y[0]) ** 1.5 - 0.5 * y[1]],
-            (0.0, 10.0), [angle, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
-        )  # fmt: skip
-        noise = 6e-4 * np.random.default_rng(seed).standard_normal(len(time))
-        decays.append(FreeDecay(125.0, run.y[0] + noise, unit="rad"))
-    springs = ("settling_stiffness", "time_varying_stiffness", "cubic_stiffness")
-    found = diagnose(tuple(decays), library=tuple(find_effect(n) for n in springs))
-    assert found.suspects[0].effect.name == "settling_stiffness"
-    assert found.baseline.adequate(found.suspects[0].fit)
-    assert found.named == ()
-    assert any(decided.verdict == "may drift" for decided in found.decided)
-
-
 @pytest.mark.parametrize(("gravity", "added", "predicted"), [(38.0, 0.0, True), (30.0, 8.0, False)])
 def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
     gravity: float, added: float, predicted: bool
