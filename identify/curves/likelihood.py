@@ -84,6 +84,7 @@ class Products:
     parts: tuple[Part, ...]
     scatter: float = 0.0
     made: dict[tuple[int, int, float, float], tuple[Array, float]] = field(default_factory=dict)
+    summed: dict[tuple[Settings, tuple[float, ...]], tuple[Array, float]] = field(default_factory=dict)
     beside: dict[tuple[Added, tuple[int, ...], Settings], Array] = field(default_factory=dict)
 
     def __call__(self, channel: int, walk: int) -> tuple[Array, float]:
@@ -93,27 +94,24 @@ class Products:
             self.made[key] = self._make(channel, float(SIZES[walk]))
         return self.made[key]
 
-    def joined(self, laws: Iterable[int], settings: Settings) -> tuple[Array, float]:
+    def joined(self, laws: Sequence[int], settings: Settings) -> tuple[Array, float]:
         """Add the products of all channels, and the logarithms of their noise's determinants.
 
         In this order: some of `used` by their places, own springs and dampers, nameless laws by channel, observations.
         """
-        m = self.of.nameless
-        shared = [*laws, *range(len(self.used), len(self.used) + len(self.of.own) * len(self.of.rigs))]
-        size = len(shared) + m * len(self.of.channels) + 1
-        total, determinant = np.zeros((size, size)), 0.0
-        for channel in self.of.channels:
-            one, more = self(channel, settings[2 * channel])
-            first = len(shared) + m * channel
-            at = [*shared, *range(len(one) - m - 1, len(one))]
-            to = [*range(len(shared)), *range(first, first + m), size - 1]
-            total[np.ix_(to, to)] += one[np.ix_(at, at)]
-            determinant += more
-        return total, determinant
+        key = settings[::2], self.noise
+        if key not in self.summed:
+            products, determinants = zip(*(self(*one) for one in enumerate(settings[::2])), strict=True)
+            self.summed[key] = sum(products), sum(determinants)
+        total, determinant = self.summed[key]
+        at = np.array([*laws, *range(len(self.used), len(total))])
+        return total[at[:, None], at], determinant
 
     def _make(self, channel: int, walk: float) -> tuple[Array, float]:
         of, laws, own = self.of, 1 + len(self.used), len(self.of.own)
-        total = laws + own * len(of.rigs) + of.nameless
+        nameless = laws + own * len(of.rigs)
+        total = nameless + of.nameless * len(of.channels)
+        nameless += of.nameless * channel
         products, determinant = np.zeros((total, total)), 0.0
         for i, part in self.parts:
             columns = of.laws.columns[i][channel][part]
@@ -122,7 +120,7 @@ class Products:
             design[:, 1:laws] = columns[:, list(self.used)]
             for j, (column, varies) in enumerate(of.own):
                 design[:, laws + i * own + j] = columns[:, column] * varies
-            design[:, -1 - of.nameless : -1] = of.shapes[i][channel][part]
+            design[:, nameless : nameless + of.nameless] = of.shapes[i][channel][part]
             design[:, -1] = self.observed[i][channel][part]
             rig = of.rigs[i]
             covariance = (
@@ -224,11 +222,8 @@ class CurveLikelihood:
             own, along = np.diag(joined)[more], joined[more, -1]
 
             def free(dropped: tuple[int, ...]) -> tuple[Array, Array]:
-                kept = np.setdiff1d(np.arange(len(aim)), dropped)
-                factor = cholesky(normal[np.ix_(kept, kept)], lower=True)
-                both = np.column_stack([cross, aim])[kept]
-                white = solve_triangular(factor, both, lower=True, check_finite=False)
-                return own - np.sum(white[:, :-1] ** 2, axis=0), along - white[:, :-1].T @ white[:, -1]
+                solved = _solution(normal, np.column_stack([cross, aim]), dropped)
+                return own - np.sum(cross * solved[:, :-1], axis=0), along - cross.T @ solved[:, -1]
 
             (width, _), (left, sought) = free(()), free(before.dropped)
             scale = (STRENGTHS * self.laws.natural[list(products.used), None]) ** 2
@@ -272,7 +267,8 @@ class CurveLikelihood:
         """Return the log marginal likelihood; `dropped` unknowns are zero but still count as unknown."""
         normal, aim, size, left = self._system(products, added, settings)
         explained = float(aim @ _solution(normal, aim, dropped))
-        volume = 2.0 * float(np.sum(np.log(np.diag(cholesky(normal))))) + float(np.sum(np.log(size)))
+        root = np.linalg.cholesky(normal)
+        volume = 2.0 * float(np.sum(np.log(np.diag(root)))) + float(np.sum(np.log(size)))
         price = WALKS_ARE * sum(settings[::2]) + NAMELESS_IS * sum(settings[1::2])
         return -0.5 * (left - explained + volume) - price
 
@@ -376,9 +372,9 @@ def _climb(
     return at(best), best
 
 
-def _solution(normal: Array, aim: Array, dropped: tuple[int, ...]) -> Array:
-    """Return the likeliest unknowns (n,) of a system, those that are `dropped` being zero."""
-    kept = np.setdiff1d(np.arange(len(aim)), dropped)
-    found = np.zeros(len(aim))
-    found[kept] = np.linalg.solve(normal[np.ix_(kept, kept)], aim[kept])
+def _solution(normal: Array, aims: Array, dropped: tuple[int, ...]) -> Array:
+    """Return the likeliest unknowns of a system for one aim (n,) or several (n, m), those that are `dropped` being zero."""
+    kept = np.delete(np.arange(len(aims)), list(dropped))
+    found = np.zeros(aims.shape)
+    found[kept] = np.linalg.solve(normal[kept[:, None], kept], aims[kept])
     return found

@@ -4,11 +4,26 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from identify.diagnosis.diagnose import Diagnosis, diagnose
+from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 
 MASS_KG = 21.36
+FEW = tuple(
+    find_effect(name)
+    for name in (
+        "cubic_stiffness", "signed_quadratic_stiffness", "settling_stiffness", "time_varying_stiffness", "freeplay",
+        "end_stop", "hysteresis", "quadratic_damping", "position_dependent_damping", "fading_damping",
+        "harmonic_forcing", "mains_hum",
+    )
+)  # fmt: skip
+"""Effects enough for a choice between them; the whole library takes several times as long."""
+
+
+def diagnosed(*releases: FreeDecay | PreparedDecay) -> Diagnosis:
+    return diagnose(releases, library=FEW)
 
 
 @dataclass(frozen=True)

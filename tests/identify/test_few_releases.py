@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from releases import drawn
+from specimens import diagnosed
 
-from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
@@ -55,8 +55,8 @@ def test_six_releases_of_three_cycles_each_name_together_what_none_can_alone():
         decays.append(prepare(decay, fewest_cycles=BESIDE_OTHERS))
         with pytest.raises(NotIdentifiable, match="at least four"):
             prepare(decay)
-    assert diagnose(decays).named == ("quadratic_damping",)
-    assert diagnose(decays[0]).verdict == "not_enough_data"
+    assert diagnosed(*decays).named == ("quadratic_damping",)
+    assert diagnosed(decays[0]).verdict == "not_enough_data"
 
 
 def test_of_two_releases_both_are_searched():
@@ -70,7 +70,7 @@ def test_of_two_releases_both_are_searched():
 
 @pytest.mark.slow
 def test_two_effects_in_four_releases_are_named():
-    found = diagnose(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    found = diagnosed(*several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
     assert set(found.named) == set(PAIR)
     assert len(found.final.windows) == len(AMPLITUDES)
 
@@ -80,6 +80,6 @@ def test_what_two_releases_show_and_all_do_not_is_not_named():
     decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
     other = {"cubic_stiffness": {"k3": -9000.0}, "quadratic_damping": {"c2": 3.0}}
     decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=5.0)[0]
-    found = diagnose(tuple(decays))
+    found = diagnosed(*decays)
     assert found.verdict == "unknown_effect"
     assert np.isfinite(found.final.chi_square)

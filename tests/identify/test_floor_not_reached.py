@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
-from specimens import Specimen
+from specimens import Specimen, diagnosed
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
@@ -71,7 +71,7 @@ def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
     pole = complex(-0.25, np.sqrt(4.0 - 0.25**2))
     u = np.array([float(f"{x:.6g}") for x in np.exp(pole * times).real])
     v = np.array([float(f"{x:.6g}") for x in (pole * np.exp(pole * times)).real])
-    found = diagnose(FreeDecay(10.0, displacement=u, velocity=v))
+    found = diagnosed(FreeDecay(10.0, displacement=u, velocity=v))
     assert not found.baseline.adequate(found.baseline.fit)
     assert (found.verdict, found.named) == ("nothing_missing", ())
     assert "too little to name an effect" in found.explanation
@@ -165,7 +165,7 @@ def test_shaking_beside_a_force_is_no_hum_of_a_sensor(seed: int):
     """Both channels show it, at the amplitude that its acceleration has at 30 Hz; the rest is not there to compare."""
     hidden = {"harmonic_forcing": {"f": 30.0}}
     sample = draw("cubic_stiffness+harmonic_forcing", (0.03, 0.01), seed, parameters=hidden)
-    found = diagnose(FreeDecay(sample.rate, sample.displacement[300:], sample.acceleration[300:]))
+    found = diagnosed(FreeDecay(sample.rate, sample.displacement[300:], sample.acceleration[300:]))
     assert not found.baseline.floor_is_sure
     assert found.named[0] == "cubic_stiffness"
     assert "mains_hum" not in found.named

@@ -2,10 +2,9 @@ from dataclasses import replace
 
 import pytest
 
-from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.guidance import first_release, guidance, leading
 from identify.planning.next_release import Limits
-from tests.identify.specimens import Specimen
+from tests.identify.specimens import Specimen, diagnosed
 
 LIMITS = Limits(0.002, 0.025)
 
@@ -25,7 +24,7 @@ def test_a_test_ends_as_what_is_hidden_wants_it(hidden, strength, seed, state):
     specimen, told, decays, found = Specimen(hidden, strength, seed), first_release(LIMITS), [], None
     while not told.over:
         decays.append(specimen.release(1e3 * told.experiment.amplitude, len(decays)))
-        found = diagnose(tuple(decays))
+        found = diagnosed(*decays)
         told = guidance(found, len(decays), LIMITS)
         assert told.words
     assert told.state == state
@@ -34,14 +33,14 @@ def test_a_test_ends_as_what_is_hidden_wants_it(hidden, strength, seed, state):
 
 
 def test_one_release_confirms_nothing():
-    found = diagnose((Specimen("hysteresis", 0.01, 40).release(25.0),))
+    found = diagnosed(Specimen("hysteresis", 0.01, 40).release(25.0))
     assert found.named == ("hysteresis",)
     assert not guidance(found, 1, LIMITS).over
 
 
 def test_what_was_not_released_from_the_upper_limit_is_not_confirmed():
     specimen = Specimen("hysteresis", 0.01, 40)
-    found = diagnose((specimen.release(9.0), specimen.release(-7.0, 1)))
+    found = diagnosed(specimen.release(9.0), specimen.release(-7.0, 1))
     told = guidance(found, 2, LIMITS)
     assert not told.over
     assert guidance(found, 2, Limits(0.002, 0.009)).state == "confirmed"
@@ -49,14 +48,14 @@ def test_what_was_not_released_from_the_upper_limit_is_not_confirmed():
 
 def test_a_law_between_the_names_is_confirmed_where_a_name_only_comes_near():
     specimen = Specimen("power_law_stiffness", 0.02, 15)
-    found = diagnose((specimen.release(7.0), specimen.release(25.0, 1)))
+    found = diagnosed(specimen.release(7.0), specimen.release(25.0, 1))
     told = guidance(found, 2, LIMITS)
     assert (told.state, told.named) == ("confirmed", ("power_law_stiffness",))
 
 
 def test_what_is_confirmed_below_the_upper_limit_says_how_far_it_was_seen():
     specimen = Specimen("cubic_stiffness", 0.02, 11)
-    found = diagnose((specimen.release(15.0), specimen.release(-15.0, 1)))
+    found = diagnosed(specimen.release(15.0), specimen.release(-15.0, 1))
     told = guidance(found, 2, LIMITS)
     assert told.over is ("could not be seen" in told.words)
     assert "could not be seen" not in guidance(found, 2, Limits(0.002, 0.015)).words
@@ -64,9 +63,7 @@ def test_what_is_confirmed_below_the_upper_limit_says_how_far_it_was_seen():
 
 def test_several_effects_are_confirmed_with_one_exchanged_where_that_explains_more():
     specimen = Specimen("cubic_stiffness+quadratic_damping", 0.02, 12)
-    found = diagnose(
-        (specimen.release(25.0), specimen.release(-9.0, 1), specimen.release(-25.0, 2)),
-    )
+    found = diagnosed(specimen.release(25.0), specimen.release(-9.0, 1), specimen.release(-25.0, 2))
     assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
     first, *others = found.hypotheses
     exchanged = next(one for one in others if len(one.names) == 2)
