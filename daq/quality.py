@@ -49,6 +49,11 @@ class Verdict(BaseModel):
     advice: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
+    @property
+    def words(self) -> str:
+        """The grade and its reasons in one line."""
+        return "; ".join([self.grade.value, *self.reasons])
+
     def __str__(self) -> str:
         return "\n".join((self.grade.value, *(f"- {reason}" for reason in self.reasons)))
 

@@ -99,7 +99,7 @@ def in_order(
         elif even:
             time = time + np.append(0.0, np.cumsum(np.where(steps < 0.0, typical - steps, 0.0)))
         else:
-            raise _set_back(table, column, time, rows, int(back[0]) + 1)
+            raise _set_back(table, column, rows, int(back[0]) + 1)
     same = np.flatnonzero(np.diff(time) == 0.0) + 1
     if not len(same):
         return time, rows
@@ -149,9 +149,10 @@ def even_line(index: Index, time: Array, weight: Array | None = None) -> tuple[f
     return slope, start, stray, stray / math.sqrt(spread) / slope**2
 
 
-def _set_back(table: Table, column: SourceColumn, time: Array, rows: Index, at: int) -> NoClock:
-    """Return the refusal of a clock that was set back between rows that go on evenly."""
-    what = f"the clock is set back from {time[at - 1]:.6g} s to {time[at]:.6g} s, and the rows go on evenly"
+def _set_back(table: Table, column: SourceColumn, rows: Index, at: int) -> NoClock:
+    """Return the refusal of a clock that was set back between rows that go on."""
+    before, after = (f"{column.values[rows[k]]:.6g}" for k in (at - 1, at))
+    what = f"the clock is set back from {before} to {after}, and the rows go on"
     where = place(table.path, table.line(int(rows[at])), column.number)
     return NoClock(where, f"{what}; {USE_RATE}", {"even": True})
 

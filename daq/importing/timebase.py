@@ -97,7 +97,8 @@ def from_stamps(
     spline = uneven and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
     rougher = _rougher_at_stamps(values[:, rows], index, time / slope) if spline else math.inf
     rebuilt = even or (coarse and uneven and rougher > 1.0 / ROUGHER)
-    believed = rougher < ROUGHER and stray <= TOO_IRREGULAR * slope
+    held = _repeats(values[:, rows]) > OFTEN_EQUAL
+    believed = rougher < ROUGHER and stray <= TOO_IRREGULAR * slope and not held
     resampled = spline and not rebuilt and (resample or believed)
     if stray > TOO_IRREGULAR * slope and not resampled and not rebuilt:
         worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
@@ -140,10 +141,24 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
 def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
         return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
-    done = "the readings are rougher at the stamps, so the mean rate is used (--resample uses the stamps)"
+    done = "the readings are rougher there, or repeat each other, so the mean rate is used (--resample uses the stamps)"
     if resampled:
         done = "the samples were put on the even clock by a cubic spline through their stamps"
     return f"{_strays(stray, slope)}; {done}"
+
+
+def _repeats(values: Array) -> float:
+    """Return the share of rows that repeat the one before while a channel (channels, n) moves, of the channel with least."""
+    last = values.shape[1] - ROWS_OF_A_CURVE
+    if last < 0:
+        return 0.0
+    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CURVES)).astype(np.int64))
+    pieces = values[:, first[:, None] + np.arange(ROWS_OF_A_CURVE)]
+    moves = np.ptp(pieces, axis=2) > MOVES * np.ptp(values, axis=1)[:, None]
+    same = np.mean(np.diff(pieces, axis=2) == 0.0, axis=2)
+    return min(
+        float(np.mean(one[there])) if there.any() else 0.0 for one, there in zip(same, moves, strict=True)
+    )
 
 
 def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:

@@ -32,7 +32,7 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.suspects import Candidate, is_predicted, singles, try_terms
 from identify.judging.verdict import Judgement
-from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
+from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, LEAVES, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -134,10 +134,10 @@ def _by_free_run(
 ) -> Judgement | None:
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
-    Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or the best, no law of
-    time, leaves next to nothing of what the model left, and its strength is clear of none. Of those that are not
-    distinguishable from it the simplest leads, and one without a constant of its own wherever it leaves as little. A line
-    follows any motion for a while, and no implausible effect may leave less.
+    Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
+    clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
+    distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
+    leave as much as what the curves confirm. A line follows any motion for a while; no implausible effect may leave less.
     """
     best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
     if best is None or not _is_steady_force(best):
@@ -147,12 +147,13 @@ def _by_free_run(
         return _singled_out(baseline, best, (), ranked, found)
     if baseline.floor_is_sure:
         return None
-    reach = tuple(e for e in ranked if _is_steady_force(e) and e.fit.chi_square < NEXT_TO_NOTHING * much)
-    names = rivals_of(best, ranked)
-    alike = tuple(e for e in reach if e is best or e.name in names)
-    predicted = tuple(e for e in reach if is_predicted(e))[:1]
-    leader = min(predicted or alike, key=lambda e: complexity(e.term.effect), default=None)
-    if leader is None or any(e.term.effect.of_time for e in alike) or not is_clear(leader.fit, leader.term):
+    names = {best.name, *rivals_of(best, ranked)}
+    alike = tuple(e for e in ranked if _is_steady_force(e) and e.name in names)
+    predicted = tuple(e for e in alike if is_predicted(e) and e.fit.chi_square < LEAVES**2 * much)
+    reach = predicted or tuple(e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
+    leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
+    of_one_kind = bool(predicted) or not any(e.term.effect.of_time for e in alike)
+    if leader is None or not of_one_kind or not is_clear(leader.fit, leader.term):
         return None
     return _singled_out(baseline, leader, alike, ranked, found)
 

@@ -49,7 +49,7 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
 
     From the rest before the release when it has at least 24 samples: the floor of its spectrum, so that a drift or
     hum does not count. Otherwise from the moving part: differences of sixth order, whose median size no smooth
-    motion and no single jump can change.
+    motion and no single jump can change; where readings are lost everywhere, from divided ones of those that are left.
     """
     valid = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
     result: dict[str, Noise] = {}
@@ -61,7 +61,9 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
         else:
             found = floor_above_motion(values[decay.start :], valid[decay.start :])
         least = SAME * float(np.ptp(values[valid])) if valid.any() else 0.0
-        result[name] = found if found.std >= least else replace(found, std=least, uncertainty=0.5 * least)
+        if found.std < least:
+            found = replace(found, std=least, uncertainty=max(found.uncertainty, 0.5 * least))
+        result[name] = found
     return result
 
 
@@ -94,7 +96,7 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
     size = np.abs(np.diff(values, order))
     if valid is not None and not valid.all():
         touched = np.convolve(~valid, np.ones(order + 1), "valid") > 0
-        size = size[~touched]
+        size = size[~touched] if not touched.all() else _beside_gaps(values, valid, order)
     if len(size) == 0:
         return Noise(0.0, float("inf"), "too few samples")
     spread = float(np.median(size)) / 0.6745
@@ -103,6 +105,25 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
         spread = float(np.sqrt(np.mean(inside**2) / LEFT_INSIDE)) if len(inside) > len(size) // 2 else spread
     std = max(spread / np.sqrt(comb(2 * order, order)), converter_step(values) / np.sqrt(12.0))
     return Noise(std, std * 1.6 / np.sqrt(len(size)), "band above the motion")
+
+
+def _beside_gaps(values: Array, valid: Mask, order: int) -> Array:
+    """Return the sizes of divided differences of neighbouring valid readings, each as if of equal steps.
+
+    Of white noise all have the same variance; none span more than twice as many readings as without gaps.
+    """
+    places = np.flatnonzero(valid)
+    if len(places) <= order:
+        return np.zeros(0)
+    at = np.lib.stride_tricks.sliding_window_view(places, order + 1)
+    at = at[at[:, -1] - at[:, 0] <= 2 * order]
+    apart = (at[:, :, None] - at[:, None, :] + np.eye(order + 1)).prod(axis=2)
+    weight = 1.0 / apart
+    return np.asarray(
+        np.abs(np.sum(weight * values[at], axis=1))
+        / np.sqrt(np.sum(weight**2, axis=1))
+        * np.sqrt(comb(2 * order, order))
+    )
 
 
 def converter_step(values: Array) -> float:

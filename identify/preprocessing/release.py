@@ -153,9 +153,11 @@ def _no_ringing(lead: Channel, frequency: float, period: float) -> str:
 
 
 def _release(rate: float, channels: list[Channel], period: float, burst: Burst, earliest: int) -> Release:
+    n = len(channels[0].values)
+    earliest = _after_lost(channels[0], period, burst, earliest)
+    burst = burst._replace(start=max(burst.start, earliest))
     onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
-    n = len(channels[0].values)
     end = end_of(channels[0], period, burst)
     if not found:  # free from the beginning, or once it has risen from rest
         before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
@@ -172,6 +174,14 @@ def _release(rate: float, channels: list[Channel], period: float, burst: Burst, 
     rest = _rest(found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
+
+
+def _after_lost(lead: Channel, period: float, burst: Burst, earliest: int) -> int:
+    """Move the earliest sample of a motion behind a gap of half a period or more: nobody saw what happened there."""
+    gaps = (gap for gap in runs_of(lead.lost) if np.ptp(gap) > 0.5 * period)
+    return max(
+        [stop for start, stop in gaps if start < burst.start + period and stop > earliest], default=earliest
+    )
 
 
 def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest: int) -> Onset | None:

@@ -135,7 +135,7 @@ def finish(
 
     verdict = session.verdict
     if verdict is not None:
-        progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
+        progress(f"verdict: {verdict.words}")
         for remark in verdict.remarks:
             progress(remark)
         stopped = session.info.state.value == "aborted" and session.info.reason.startswith("interrupted")

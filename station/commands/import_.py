@@ -130,10 +130,12 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
         "lost_samples": sum(int((~one.valid).sum()) for one in imported.recordings),
         "channels": [picked(channel, "name", "quantity", "unit") for channel in recording.channels],
         "notes": list(imported.notes),
+        "verdicts": [None if one.verdict is None else one.verdict.grade.value for one in imported.sessions],
     }
 
 
 def _told(file: Path, imported: "Imported") -> Told:
+    from daq.quality import Grade
     from daq.session_reading import RECIPE
     from station.text.identification_text import sampling
 
@@ -143,7 +145,10 @@ def _told(file: Path, imported: "Imported") -> Told:
         rows.append(("record", f"run {recording.run}: {size}" if recording.run else size))
     rows.append(("channels", ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)))
     rows += [("", note) for note in imported.notes]
-    rows += [("session", str(session.folder)) for session in imported.sessions]
+    for session in imported.sessions:
+        rows.append(("session", str(session.folder)))
+        if session.verdict is not None and session.verdict.grade is not Grade.OK:
+            rows.append(("verdict", session.verdict.words))
     rows.append(
         ("recipe", f"{imported.sessions[0].folder / RECIPE} (a copy, corrected, is read by --recipe)")
     )

@@ -155,10 +155,9 @@ def _predicted(before: PredictionErrors, after: PredictionErrors | None, kind: s
 
 
 def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> list[SuspectDocument]:
-    """Choose the suspects that are worth a line: what is named, its rivals, and the next that are claimed, `most` in all."""
+    """Choose the suspects that are worth a line: what is named, then those that are claimed, `most` in all."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
-    most = max(min(most, claimed), len(document.named), min(3, most))
-    return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
+    return list(document.suspects[: max(min(most, claimed), len(document.named), min(3, most))])
 
 
 def parameters(found: SuspectDocument, weighing: Weighing) -> str:

@@ -228,3 +228,24 @@ def test_gravity_and_a_damper_are_named_before_one_law_with_two_constants(seed: 
     noise = np.random.default_rng(seed).normal(0.0, 1.5e-3, len(time))
     found = diagnose(FreeDecay(50.0, motion.y[0] + noise, unit="rad"))
     assert found.named == ("pendulum_stiffness", "cubic_damping")
+
+
+@pytest.mark.parametrize(("bends", "named"), [(1.0, True), (2.0, False)])
+def test_gravity_is_named_by_few_cycles_though_a_tracker_errs_and_twice_as_much_is_no_gravity(
+    bends: float, named: bool
+):
+    """A camera of 12 frames a second at a string pendulum: eight cycles of 1.4 rad, its middle drifts by a hundredth."""
+    time = np.arange(230) / 12.0
+    motion = solve_ivp(
+        lambda t, y: [y[1], -9.2 * (y[0] + bends * (np.sin(y[0]) - y[0])) - 0.04 * y[1]],
+        (0.0, time[-1]), [1.4 / bends**0.5, 0.0], t_eval=time, rtol=1e-9, atol=1e-10,
+    )  # fmt: skip
+    random = np.random.default_rng(7)
+    drift = 0.012 * np.cos(np.pi * time / time[-1]) + lfilter(
+        [0.006], [1.0, -0.8], random.standard_normal(len(time))
+    )
+    found = diagnose(
+        FreeDecay(12.0, motion.y[0] + drift + 5e-3 * random.standard_normal(len(time)), unit="rad")
+    )
+    assert not found.baseline.adequate(found.suspects[0].fit)
+    assert (found.named == ("pendulum_stiffness",)) == named

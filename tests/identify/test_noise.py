@@ -56,6 +56,23 @@ def test_lost_samples_do_not_count() -> None:
     )  # 800 differences know it within 6 %
 
 
+def test_where_readings_are_lost_everywhere_the_noise_is_read_off_those_that_are_left() -> None:
+    """A camera of 30 frames a second of which two in three were kept: no seven readings stand side by side."""
+    u, _, _ = exponential(np.arange(1000) / 256, 3.944)
+    u = u + 5e-6 * np.random.default_rng(6).standard_normal(1000)
+    valid = np.arange(1000) % 3 > 0
+    u[~valid] = 5.0
+    found = floor_above_motion(u, valid)
+    assert abs(found.std - 5e-6) < 4.0 * found.uncertainty
+    assert found.uncertainty < 0.1 * found.std
+
+
+def test_noise_that_no_readings_show_is_not_known() -> None:
+    valid = np.arange(60) % 9 == 0
+    found = noise_of(FreeDecay(30.0, displacement=np.cos(np.arange(60.0)), valid=valid))["displacement"]
+    assert np.isinf(found.uncertainty)
+
+
 def test_a_converter_that_shows_nothing_but_steps_has_the_noise_of_a_step() -> None:
     steps = np.round(np.linspace(0.0, 20.0, 400))
     assert floor_above_motion(steps).std >= 1 / np.sqrt(12.0) - 1e-12

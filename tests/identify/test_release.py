@@ -306,3 +306,14 @@ def test_noise_does_not_hide_a_slow_motion() -> None:
     found = find_releases(FreeDecay(10.0, displacement=u))
     assert len(found) == 1
     assert found[0].end > 250
+
+
+def test_a_motion_after_lost_readings_begins_with_the_first_that_is_there() -> None:
+    """One row at zero, nothing for two seconds, then a decay: what the gap hides is no part of the motion."""
+    times = np.arange(245) / 20.0
+    known = (times == 0.0) | (times > 2.2)
+    u = np.where(times > 2.2, 3.6 * np.exp(-0.2 * times) * np.cos(2 * np.pi * 0.5 * (times - 2.2)), 0.0)
+    u = u + 0.01 * np.random.default_rng(2).standard_normal(245)
+    found = release_of(FreeDecay(20.0, displacement=np.where(known, u, np.nan), valid=known))
+    assert known[found.settle : found.end].all()
+    assert 2.2 < found.time_s < 2.6

@@ -280,7 +280,7 @@ def test_a_clock_that_is_set_back_leaves_the_rows_in_their_order(tmp_path: Path)
     at = np.arange(500) / 50.0
     stamps = np.where(np.arange(500) < 270, at, at - 0.075)
     text = table(HEADER, stamps, np.cos(5.0 * at))
-    assert "set back from 5.38 s to 5.325 s, and the rows go on evenly" in refusal(tmp_path, text)
+    assert "set back from 5.38 to 5.325, and the rows go on" in refusal(tmp_path, text)
     recording = load(tmp_path, text, accept=True)
     assert recording.samples[0].tolist() == pytest.approx(np.cos(5.0 * at).tolist(), abs=1e-6)
     assert recording.rate == pytest.approx(50.0, rel=1e-4)
@@ -302,9 +302,9 @@ def test_a_part_without_rows_is_refused_with_the_times_there_are(tmp_path: Path)
     assert "go from 7.3 s to 21.5" in refusal(tmp_path, changing(), stop=3.0)
 
 
-@pytest.mark.parametrize("regular", [True, False])
+@pytest.mark.parametrize(("regular", "jitter"), [(True, 0.0), (False, 0.0), (False, 1e-3)])
 def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
-    tmp_path: Path, regular: bool
+    tmp_path: Path, regular: bool, jitter: float
 ) -> None:
     """A sensor that is asked faster than it answers, or a tracker that finds its ball now and then."""
     times = np.arange(900) / 30.0
@@ -314,8 +314,9 @@ def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
         new[0] = True
     measured = times[np.maximum.accumulate(np.where(new, np.arange(900), 0))]
     x = 40.0 * np.exp(-0.15 * measured) * np.cos(2 * np.pi * 1.1 * measured)
-    recording = load(tmp_path, table("t (s),x (mm)", times, np.round(x, 3)))
-    assert recording.rate == pytest.approx(30.0)
+    stamps = times + jitter * np.random.default_rng(5).standard_normal(900)
+    recording = load(tmp_path, table("t (s),x (mm)", stamps, np.round(x, 3)))
+    assert recording.rate == pytest.approx(30.0, rel=1e-4)
     assert recording.samples.shape == (1, 900)
     assert "x (mm) repeats the reading before it" in str(judge(recording))
 
