@@ -73,7 +73,10 @@ def test_a_release_is_recorded_and_identified_though_the_wire_lost_frames(run: R
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("fault", "what"), [("reboot in mid-capture", "reset"), ("unplug", "die")], ids=["reset", "unplug"]
+    ("run", "fault", "what"),
+    [("mega", "reboot in mid-capture", "reset"), ("launchpad", "unplug", "die")],
+    indirect=["run"],
+    ids=["reset", "unplug"],
 )
 def test_a_fault_ends_as_the_page_promises(run: Run, tmp_path: Path, fault: str, what: str) -> None:
     with run(befalls=(LATER - 1, what)) as board:

@@ -65,6 +65,7 @@ def test_a_release_by_the_rig_is_recorded_and_identified(run: Run, tmp_path: Pat
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("run", ["launchpad"], indirect=True)  # the Mega is let go of by its contact, below
 def test_a_host_that_is_gone_makes_it_let_go_slowly(run: Run) -> None:
     with run() as board, Link(open_port(board.port)) as link:
         link.handshake()
