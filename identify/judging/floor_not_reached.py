@@ -19,7 +19,7 @@ import numpy as np
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
-from identify.evidence import complexity, evidence, nothing
+from identify.evidence import complexity, evidence as evidence_of, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values
@@ -118,7 +118,14 @@ def agree(found: Confirmation, whole: Fit) -> bool:
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Name what the curves confirm, with their evidence."""
+    """Name what the curves confirm, with their evidence; laws of time that one record does not distinguish are rivals."""
+    own = next((e for e in ranked if found.one_record and (e.name,) == found.names), None)
+    if own is not None:
+        evidence = found.effects[0].evidence
+        names = rivals_of(own, ranked)
+        drifting = tuple(e.name for e in ranked if e.term.effect.of_time and e.name in names)
+        names = tuple(dict.fromkeys((*evidence.names, *drifting)))
+        found = replace(found, effects=(replace(found.effects[0], evidence=replace(evidence, names=names)),))
     first = tuple(
         Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )
@@ -246,7 +253,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
     if not may_be_hum(behind.fit, found.term.channel, line):
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
-    nats = evidence(behind.fit, found.fit, behind.scales, max(density, 1.0))
+    nats = evidence_of(behind.fit, found.fit, behind.scales, max(density, 1.0))
     return replace(found, evidence=nats, claimed=True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 from identify.curves.averaged_law import law_of
 from identify.curves.confirm import Curves
@@ -283,3 +285,16 @@ def test_what_is_said_to_move_with_the_clock_does_and_nothing_else():
         assert moved == effect.of_time, effect.name
     assert own_effect("loosens", "k*exp(-t/tau)*u").of_time
     assert not own_effect("hardens", "k*u**3").of_time
+
+
+def test_a_name_that_one_record_gives_says_which_law_of_time_would_do_as_well():
+    """Drag on a spring, an amplitude that falls to a third: a damper that fades would follow it, too."""
+    time, random = np.arange(900) / 25.0, np.random.default_rng(3)
+    run = solve_ivp(
+        lambda t, y: [y[1], -30.0 * y[0] - 0.02 * y[1] - 0.35 * y[1] * abs(y[1])],
+        (0.0, 36.0), [0.1, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
+    )  # fmt: skip
+    erring = run.y[0] + lfilter([2e-4], [1.0, -0.8], random.standard_normal(900))
+    found = diagnose(FreeDecay(25.0, erring + 1e-4 * random.standard_normal(900)))
+    assert found.named == ("quadratic_damping",)
+    assert "fading_damping" in found.suspects[0].rivals
