@@ -20,8 +20,8 @@ from daq.recording import MOTIONS, Array, Channel, Recording
 ORDER: Final = (*MOTIONS, "force")
 NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
 NO_RATE = (
-    "no column is named as a time or rises throughout, and the file names no rate; name the time with --column time=..., or "
-    "give the rate in Hz with --rate (in a recipe: rate)"
+    "no column is named as the time, none rises throughout, and the file names no rate; name the time with "
+    "--column time=..., or give the rate in Hz with --rate (in a recipe: rate)"
 )
 FEWEST_ROWS = 8
 FEWEST = 50

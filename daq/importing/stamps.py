@@ -151,7 +151,7 @@ def even_line(index: Index, time: Array, weight: Array | None = None) -> tuple[f
 
 def _set_back(table: Table, column: SourceColumn, rows: Index, at: int) -> NoClock:
     """Return the refusal of a clock that was set back between rows that go on."""
-    before, after = (f"{column.values[rows[k]]:.6g}" for k in (at - 1, at))
+    before, after = (f"{column.values[rows[k]]:.15g}" for k in (at - 1, at))
     what = f"the clock is set back from {before} to {after}, and the rows go on"
     where = place(table.path, table.line(int(rows[at])), column.number)
     return NoClock(where, f"{what}; {USE_RATE}", {"even": True})

@@ -141,7 +141,10 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
 def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
         return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
-    done = "the readings are rougher there, or repeat each other, so the mean rate is used (--resample uses the stamps)"
+    done = (
+        "the readings are rougher at their stamps or repeat each other, so the mean rate is used "
+        "(--resample uses the stamps)"
+    )
     if resampled:
         done = "the samples were put on the even clock by a cubic spline through their stamps"
     return f"{_strays(stray, slope)}; {done}"
@@ -149,6 +152,7 @@ def _evenness(slope: float, stray: float, resampled: bool) -> str:
 
 def _repeats(values: Array) -> float:
     """Return the share of rows that repeat the one before while a channel (channels, n) moves, of the channel with least."""
+    values = values[:, np.isfinite(values).all(axis=0)]
     last = values.shape[1] - ROWS_OF_A_CURVE
     if last < 0:
         return 0.0
@@ -156,9 +160,8 @@ def _repeats(values: Array) -> float:
     pieces = values[:, first[:, None] + np.arange(ROWS_OF_A_CURVE)]
     moves = np.ptp(pieces, axis=2) > MOVES * np.ptp(values, axis=1)[:, None]
     same = np.mean(np.diff(pieces, axis=2) == 0.0, axis=2)
-    return min(
-        float(np.mean(one[there])) if there.any() else 0.0 for one, there in zip(same, moves, strict=True)
-    )
+    shares = [float(np.mean(one[there])) for one, there in zip(same, moves, strict=True) if there.any()]
+    return min(shares, default=0.0)
 
 
 def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:

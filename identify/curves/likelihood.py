@@ -348,7 +348,7 @@ class CurveLikelihood:
         for place in (len(NOISE) // 2, 2 * len(NOISE) // 3):
             self._begin = begin
             tops.append((*_climb(nats, (place,) * (len(self.channels) + 1), top=len(NOISE)), self._begin))
-        _, places, self._begin = max(tops)
+        _, places, self._begin = max(tops, key=lambda top: round(top[0], 6))
         nats(places)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
-from identify.evidence import complexity, evidence as evidence_of, nothing
+from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values
@@ -32,7 +32,15 @@ from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.suspects import Candidate, is_predicted, singles, try_terms
 from identify.judging.verdict import Judgement
-from identify.priors import AGREES, DOUBT_AT_A_GUESS, LARGE, LEAVES, NEGLIGIBLE, NEXT_TO_NOTHING
+from identify.priors import (
+    AGREES,
+    DOUBT_AT_A_GUESS,
+    LARGE,
+    LEAVES,
+    NEGLIGIBLE,
+    NEXT_TO_NOTHING,
+    RIVALS_WITHIN,
+)
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -118,18 +126,13 @@ def agree(found: Confirmation, whole: Fit) -> bool:
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Name what the curves confirm, with their evidence; laws of time that one record does not distinguish are rivals."""
+    """Name what the curves confirm, with their evidence; laws of time that are as good in one record keep their claim."""
     own = next((e for e in ranked if found.one_record and (e.name,) == found.names), None)
-    if own is not None:
-        evidence = found.effects[0].evidence
-        names = rivals_of(own, ranked)
-        drifting = tuple(e.name for e in ranked if e.term.effect.of_time and e.name in names)
-        names = tuple(dict.fromkeys((*evidence.names, *drifting)))
-        found = replace(found, effects=(replace(found.effects[0], evidence=replace(evidence, names=names)),))
+    drifting = () if own is None else tuple(e for e in _as_good(own, ranked) if e.term.effect.of_time)
     first = tuple(
         Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )
-    rest = tuple(replace(e, claimed=False) for e in ranked if e.name not in found.names)
+    rest = tuple(replace(e, claimed=e in drifting) for e in ranked if e.name not in found.names)
     shape = free_form(baseline, whole)
     return Judgement(
         "missing_effect", (*first, *rest), whole, found.names[1:], shape=shape, confirmation=found
@@ -154,8 +157,7 @@ def _by_free_run(
         return _singled_out(baseline, best, (), ranked, found)
     if baseline.floor_is_sure:
         return None
-    names = {best.name, *rivals_of(best, ranked)}
-    alike = tuple(e for e in ranked if _is_steady_force(e) and e.name in names)
+    alike = _as_good(best, ranked)
     predicted = tuple(e for e in alike if is_predicted(e) and e.fit.chi_square < LEAVES**2 * much)
     reach = predicted or tuple(e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
     leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
@@ -253,8 +255,15 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | Non
     if not may_be_hum(behind.fit, found.term.channel, line):
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
-    nats = evidence_of(behind.fit, found.fit, behind.scales, max(density, 1.0))
+    nats = evidence(behind.fit, found.fit, behind.scales, max(density, 1.0))
     return replace(found, evidence=nats, claimed=True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
+
+
+def _as_good(one: Candidate, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """List a force, and those that are claimed and not distinguishable from it by their free run, or better."""
+    least = one.evidence - RIVALS_WITHIN
+    claimed = (e for e in ranked if e is one or (e.claimed and e.evidence > least))
+    return tuple(e for e in claimed if _is_steady_force(e))
 
 
 def _is_steady_force(entry: Candidate) -> bool:

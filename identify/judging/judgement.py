@@ -168,7 +168,12 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     alike = judgement.alike(candidate.name)
     if is_final or not found:  # what is as good alone was not tried beside others
         alike = (*alike, *rivals_of(candidate, judgement.ranked))
-    rivals = tuple(dict.fromkeys(alike)) if confirmed is None else confirmed.rivals
+    if confirmed is not None:  # and laws of time, if they are as good in the free run
+        alike = (
+            *confirmed.rivals,
+            *(e.name for e in judgement.ranked if e.claimed and e.term.effect.of_time),
+        )
+    rivals = tuple(name for name in dict.fromkeys(alike) if name != candidate.name)
     # Beside others it may be in another variant than alone.
     term = next(
         (one for one in judgement.final.model.terms if one.effect.name == candidate.name), candidate.term

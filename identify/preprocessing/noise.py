@@ -21,6 +21,9 @@ _STILL, _UNSURE_STILL, _UNSURE = 0.1, 0.1, 0.2
 CLIP, LEFT_INSIDE = 3.0, 0.97334
 """Outliers lie beyond so many standard deviations; the share of a normal variable's variance that lies within."""
 
+_FEW_WHOLE, _MOST_DIFFERENCES = 0.25, 100_000
+"""Share of differences without a lost reading below which divided ones are taken, and how many of these at most."""
+
 SAME = 1e-9
 """Share of the range of the readings by which two of them may differ by rounding alone, in another unit or a simulation."""
 
@@ -96,7 +99,8 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
     size = np.abs(np.diff(values, order))
     if valid is not None and not valid.all():
         touched = np.convolve(~valid, np.ones(order + 1), "valid") > 0
-        size = size[~touched] if not touched.all() else _beside_gaps(values, valid, order)
+        few = np.count_nonzero(~touched) < _FEW_WHOLE * len(touched)
+        size = _beside_gaps(values, valid, order) if few else size[~touched]
     if len(size) == 0:
         return Noise(0.0, float("inf"), "too few samples")
     spread = float(np.median(size)) / 0.6745
@@ -117,6 +121,7 @@ def _beside_gaps(values: Array, valid: Mask, order: int) -> Array:
         return np.zeros(0)
     at = np.lib.stride_tricks.sliding_window_view(places, order + 1)
     at = at[at[:, -1] - at[:, 0] <= 2 * order]
+    at = at[:: len(at) // _MOST_DIFFERENCES + 1]
     apart = (at[:, :, None] - at[:, None, :] + np.eye(order + 1)).prod(axis=2)
     weight = 1.0 / apart
     return np.asarray(

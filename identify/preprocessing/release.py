@@ -18,7 +18,7 @@ from identify.preprocessing.bursts import (
 )
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
-from identify.preprocessing.sampling import too_coarse
+from identify.preprocessing.sampling import LONG_GAP, too_coarse
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.running import running_maximum, running_minimum, runs_of
@@ -154,10 +154,13 @@ def _no_ringing(lead: Channel, frequency: float, period: float) -> str:
 
 def _release(rate: float, channels: list[Channel], period: float, burst: Burst, earliest: int) -> Release:
     n = len(channels[0].values)
-    earliest = _after_lost(channels[0], period, burst, earliest)
-    burst = burst._replace(start=max(burst.start, earliest))
-    onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
-    found = [(channel, onset) for channel, onset in onsets if onset is not None]
+    found = _onsets(rate, channels, period, burst, earliest)
+    gap = _gap_before(channels[0], period, burst, earliest)
+    if gap is not None and all(onset.place >= gap[0] for _, onset in found):
+        # nobody saw what happened there
+        earliest = gap[1]
+        burst = burst._replace(start=max(burst.start, earliest))
+        found = _onsets(rate, channels, period, burst, earliest)
     end = end_of(channels[0], period, burst)
     if not found:  # free from the beginning, or once it has risen from rest
         before = channels[0].values[earliest : max(burst.start - round(period), earliest)]
@@ -176,12 +179,18 @@ def _release(rate: float, channels: list[Channel], period: float, burst: Burst, 
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
 
 
-def _after_lost(lead: Channel, period: float, burst: Burst, earliest: int) -> int:
-    """Move the earliest sample of a motion behind a gap of half a period or more: nobody saw what happened there."""
-    gaps = (gap for gap in runs_of(lead.lost) if np.ptp(gap) > 0.5 * period)
-    return max(
-        [stop for start, stop in gaps if start < burst.start + period and stop > earliest], default=earliest
-    )
+def _gap_before(lead: Channel, period: float, burst: Burst, earliest: int) -> tuple[int, int] | None:
+    """Return the last gap of half a period or more that begins before or in the first cycle of a burst; None without one."""
+    gaps = (gap for gap in runs_of(lead.lost) if np.ptp(gap) >= LONG_GAP * period)
+    return max((gap for gap in gaps if gap[0] < burst.start + period and gap[1] > earliest), default=None)
+
+
+def _onsets(
+    rate: float, channels: list[Channel], period: float, burst: Burst, earliest: int
+) -> list[tuple[Channel, Onset]]:
+    """List the channels that show where the hand's force ends, with that place."""
+    onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
+    return [(channel, onset) for channel, onset in onsets if onset is not None]
 
 
 def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest: int) -> Onset | None:

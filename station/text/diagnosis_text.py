@@ -155,9 +155,11 @@ def _predicted(before: PredictionErrors, after: PredictionErrors | None, kind: s
 
 
 def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> list[SuspectDocument]:
-    """Choose the suspects that are worth a line: what is named, then those that are claimed, `most` in all."""
+    """Choose the suspects that are worth a line: what is named, the next ones, `most` in all, and the first two rivals."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
-    return list(document.suspects[: max(min(most, claimed), len(document.named), min(3, most))])
+    most = max(min(most, claimed), len(document.named), min(3, most))
+    rivals = document.rivals[:2]
+    return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in rivals]
 
 
 def parameters(found: SuspectDocument, weighing: Weighing) -> str:

@@ -315,5 +315,18 @@ def test_a_motion_after_lost_readings_begins_with_the_first_that_is_there() -> N
     u = np.where(times > 2.2, 3.6 * np.exp(-0.2 * times) * np.cos(2 * np.pi * 0.5 * (times - 2.2)), 0.0)
     u = u + 0.01 * np.random.default_rng(2).standard_normal(245)
     found = release_of(FreeDecay(20.0, displacement=np.where(known, u, np.nan), valid=known))
+    assert found.end - found.settle > 150
     assert known[found.settle : found.end].all()
     assert 2.2 < found.time_s < 2.6
+
+
+@pytest.mark.parametrize("gap", [(5.1, 5.7), (5.5, 6.1)])
+def test_a_release_that_was_seen_is_found_before_lost_readings(gap: tuple[float, float]) -> None:
+    times = np.arange(1000) / 50.0
+    free = np.exp(-0.1 * (times - 5.0)) * np.cos(2 * np.pi * (times - 5.0))
+    u = np.where(times < 5.0, 1.0, free) + 1e-3 * np.random.default_rng(3).standard_normal(1000)
+    known = (times < gap[0]) | (times > gap[1])
+    found = release_of(FreeDecay(50.0, displacement=np.where(known, u, np.nan), valid=known))
+    assert found.kind == "displaced"
+    assert found.time_s == pytest.approx(5.0, abs=0.03)
+    assert found.rest[1] > 200

@@ -315,7 +315,10 @@ def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
     measured = times[np.maximum.accumulate(np.where(new, np.arange(900), 0))]
     x = 40.0 * np.exp(-0.15 * measured) * np.cos(2 * np.pi * 1.1 * measured)
     stamps = times + jitter * np.random.default_rng(5).standard_normal(900)
-    recording = load(tmp_path, table("t (s),x (mm)", stamps, np.round(x, 3)))
+    text = table("t (s),x (mm),y (mm)", stamps, np.round(x, 3), np.zeros(900))
+    lines = text.splitlines()
+    lines[400] = lines[400].split(",")[0] + ",,0"
+    recording = load(tmp_path, "\n".join(lines), columns={"displacement": "x (mm)"})
     assert recording.rate == pytest.approx(30.0, rel=1e-4)
     assert recording.samples.shape == (1, 900)
     assert "x (mm) repeats the reading before it" in str(judge(recording))
