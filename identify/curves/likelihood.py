@@ -329,11 +329,8 @@ class CurveLikelihood:
         return (*relative, float(NOISE[places[-1]]) * self._smallest)
 
     def _fit_noise(self) -> None:
-        """Find the likeliest noise where nothing is named, and the likeliest sizes with it.
-
-        Little noise and large walks, or much noise and small ones, are two tops of it: it is climbed from either side.
-        """
-        begun, begin = self.products(self.observed, self.base), self._begin
+        """Find the likeliest noise where nothing is named, and the likeliest sizes with it."""
+        begun = self.products(self.observed, self.base)
 
         def nats(places: Settings) -> float:
             self.noise = self._noise_at(places)
@@ -344,11 +341,8 @@ class CurveLikelihood:
                 return -np.inf
             return found
 
-        tops = []
-        for place in (len(NOISE) // 2, 2 * len(NOISE) // 3):
-            self._begin = begin
-            tops.append((*_climb(nats, (place,) * (len(self.channels) + 1), top=len(NOISE)), self._begin))
-        _, places, self._begin = max(tops, key=lambda top: round(top[0], 6))
+        middle = (len(NOISE) // 2,) * (len(self.channels) + 1)
+        _, places = _climb(nats, middle, top=len(NOISE))
         nats(places)
 
 
