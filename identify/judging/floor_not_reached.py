@@ -146,8 +146,9 @@ def _by_free_run(
 
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
-    distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm. A line follows any motion for a while; no implausible effect may leave less.
+    distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and if it is
+    as good may leave as much as what the curves confirm. A line follows any motion for a while; no implausible effect may
+    leave less.
     """
     best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
     if best is None or not _is_steady_force(best):
@@ -158,7 +159,9 @@ def _by_free_run(
     if baseline.floor_is_sure:
         return None
     alike = _as_good(best, ranked)
-    predicted = tuple(e for e in alike if is_predicted(e) and e.fit.chi_square < LEAVES**2 * much)
+    gravity = (e for e in ranked if _is_steady_force(e) and is_predicted(e))
+    most = {entry.name: LEAVES**2 for entry in alike}
+    predicted = tuple(e for e in gravity if e.fit.chi_square < most.get(e.name, NEXT_TO_NOTHING) * much)[:1]
     reach = predicted or tuple(e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
     leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
     of_one_kind = bool(predicted) or not any(e.term.effect.of_time for e in alike)
