@@ -153,15 +153,21 @@ def _evenness(slope: float, stray: float, resampled: bool) -> str:
 def _repeats(values: Array) -> float:
     """Return the share of rows that repeat the one before while a channel (channels, n) moves, of the channel with least."""
     values = values[:, np.isfinite(values).all(axis=0)]
-    last = values.shape[1] - ROWS_OF_A_CURVE
-    if last < 0:
+    at = _few_rows(values.shape[1])
+    if not len(at):
         return 0.0
-    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CURVES)).astype(np.int64))
-    pieces = values[:, first[:, None] + np.arange(ROWS_OF_A_CURVE)]
+    pieces = values[:, at]
     moves = np.ptp(pieces, axis=2) > MOVES * np.ptp(values, axis=1)[:, None]
     same = np.mean(np.diff(pieces, axis=2) == 0.0, axis=2)
     shares = [float(np.mean(one[there])) for one, there in zip(same, moves, strict=True) if there.any()]
     return min(shares, default=0.0)
+
+
+def _few_rows(rows: int) -> Index:
+    """Choose some stretches of a few rows each, (stretches, rows of a curve); none where there are too few."""
+    last = rows - ROWS_OF_A_CURVE
+    first = np.unique(np.linspace(0, last, max(min(last + 1, MOST_CURVES), 0)).astype(np.int64))
+    return first[:, None] + np.arange(ROWS_OF_A_CURVE)
 
 
 def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
@@ -172,11 +178,9 @@ def _rougher_at_stamps(values: Array, index: Index, stamps: Array) -> float:
     """
     there = np.isfinite(values).all(axis=0)
     values, index, stamps = values[:, there], index[there], stamps[there]
-    last = len(stamps) - ROWS_OF_A_CURVE
-    if last < 0:
+    at = _few_rows(len(stamps))
+    if not len(at):
         return 1.0
-    first = np.unique(np.linspace(0, last, min(last + 1, MOST_CURVES)).astype(np.int64))
-    at = first[:, None] + np.arange(ROWS_OF_A_CURVE)
     readings = values[:, at] - values[:, at].mean(axis=-1, keepdims=True)
 
     def left(clock: Array) -> Array:

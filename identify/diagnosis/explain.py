@@ -84,7 +84,7 @@ def explain(
 
 def floor_of(baseline: Baseline) -> str:
     """Return the reduced chi-square of an adequate model, with its standard error."""
-    return f"1 ± {baseline.spread:.2f}" if np.isfinite(baseline.spread) else "1, its error is not known"
+    return f"1 ± {baseline.spread:.2f}" if np.isfinite(baseline.spread) else "1 (error not known)"
 
 
 def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:

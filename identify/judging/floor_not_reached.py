@@ -160,12 +160,12 @@ def _by_free_run(
         return None
     alike = _as_good(best, ranked)
     gravity = (e for e in ranked if _is_steady_force(e) and is_predicted(e))
-    most = {entry.name: LEAVES**2 for entry in alike}
-    predicted = tuple(e for e in gravity if e.fit.chi_square < most.get(e.name, NEXT_TO_NOTHING) * much)[:1]
-    reach = predicted or tuple(e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
-    leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
-    of_one_kind = bool(predicted) or not any(e.term.effect.of_time for e in alike)
-    if leader is None or not of_one_kind or not is_clear(leader.fit, leader.term):
+    shares = ((e, LEAVES**2 if e in alike else NEXT_TO_NOTHING) for e in gravity)
+    leader = next((e for e, share in shares if e.fit.chi_square < share * much), None)
+    if leader is None and not any(e.term.effect.of_time for e in alike):
+        reach = (e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
+        leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
+    if leader is None or not is_clear(leader.fit, leader.term):
         return None
     return _singled_out(baseline, leader, alike, ranked, found)
 

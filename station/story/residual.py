@@ -34,7 +34,7 @@ def residual_words(motion_percent: float | None, chi2: float | None, above: floa
 def floor_words(chi2_std: float | None) -> str:
     """Return "1 ± 0.035", which is the rms of a residual over that of the noise where noise alone is left."""
     if chi2_std is None or not isfinite(chi2_std):
-        return "1, its error is not known"
+        return "1 (error not known)"
     return f"1 ± {chi2_std / 2.0:.2g}"
 
 

@@ -34,10 +34,11 @@ CASES = [
         row,
         line,
         id=f"{row.fault} on {line}",
-        marks=[pytest.mark.slow] if number % 2 or row.fault in LONG or REAL_TIME in row.injected else [],
+        marks=[pytest.mark.slow]
+        if number % 2 or row.fault in (*LONG, *OF_THE_SAME_KIND) or REAL_TIME in row.injected
+        else [],
     )
     for number, row in enumerate(ROWS)
-    if row.fault not in OF_THE_SAME_KIND
     for line in (row.lines if row.fault in ON_BOTH else (row.lines[number % len(row.lines)],))
 ]
 # Sixteen times as fast as life a capture of 3 s takes half a second; what takes longer is the wait

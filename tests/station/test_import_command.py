@@ -306,3 +306,15 @@ def test_asking_needs_a_terminal(capsys):
     written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
     assert run(["import", "odd.csv", "--ask"]) == 2
     assert "needs a terminal" in capsys.readouterr().err
+
+
+def test_a_recording_that_is_not_sound_says_so_as_it_is_imported(capsys):
+    held = 20.0 * DECAY[np.arange(N) // 7 * 7]
+    written("held.csv", "t (s),x (mm)", T, held)
+    written("sound.csv", "t (s),x (mm)", T, 20.0 * DECAY)
+    assert run(["import", "held.csv"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "verdict REJECT; x (mm) repeats the reading before it" in out
+    assert run(["import", "sound.csv"]) == 0
+    assert "verdict" not in capsys.readouterr().out
+    assert imported(capsys, "held.csv")["verdicts"] == ["REJECT"]
