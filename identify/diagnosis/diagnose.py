@@ -37,7 +37,7 @@ from identify.judging.releases_differ import (
     where_releases_differ,
 )
 from identify.judging.suspect import Suspect
-from identify.judging.suspects import candidate_terms, singles
+from identify.judging.suspects import InPlace, candidate_terms, singles
 from identify.judging.verdict import HEADLINES, Judgement, Verdict, may_hide_anything, too_few_cycles
 from identify.model.model import Model, base_model
 from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide
@@ -73,7 +73,7 @@ class Diagnosis(Summarised):
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit.
     `decided` is what the table weighed and decided, for each of several effects its own, empty where it was not asked.
-    `caution` is what to keep in mind. `hypotheses` are those still open, the likeliest first.
+    `caution` is what to keep in mind. `places` say what was tried in the place of each of several names.
     """
 
     baseline: Baseline
@@ -95,7 +95,15 @@ class Diagnosis(Summarised):
     walk: RandomWalk | None = None
     decided: tuple[Evidence, ...] = ()
     caution: str = ""
-    hypotheses: tuple[Hypothesis, ...] = ()
+    places: tuple[InPlace, ...] = ()
+
+    @cached_property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """The hypotheses that are still open, the likeliest first, weighed when asked for."""
+        walk = None if self.named else self.walk
+        return hypotheses_of(
+            self.baseline, self.suspects, self.named, self.final, self.shape, walk, self.places
+        )
 
     @cached_property
     def next_release(self) -> NextRelease | None:
@@ -249,9 +257,6 @@ def diagnose(
         else ()
     )
     warned = caution(baseline, judgement, suspects[0] if named else None, settled)
-    walk = None if named else judgement.walk
-    places = judgement.places if named else ()
-    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, walk, places)
     said = (
         explain(baseline, judgement, suspects, findings, settled),
         warned,
@@ -278,7 +283,7 @@ def diagnose(
         walk=judgement.walk,
         decided=judgement.decided,
         caution=warned,
-        hypotheses=hypotheses,
+        places=judgement.places if named else (),
     )
 
 

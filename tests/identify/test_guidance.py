@@ -67,6 +67,7 @@ def test_several_effects_are_confirmed_with_one_exchanged_where_that_explains_mo
     assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
     first, *others = found.hypotheses
     exchanged = next(one for one in others if len(one.names) == 2)
-    turned = replace(found, hypotheses=(replace(exchanged, log_odds=1e3), first, *others))
+    turned = replace(found)
+    vars(turned)["hypotheses"] = (replace(exchanged, log_odds=1e3), first, *others)
     assert leading(found) == found.named
     assert leading(turned) == exchanged.names
