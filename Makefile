@@ -4,11 +4,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
-WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
+BY_FILE := --dist loadfile --no-loadscope-reorder
+WORKERS := -n 3 $(BY_FILE)
 INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, above_the_floor curve_evidence diagnose explanation few_releases judgement \
-  line_beside floor_not_reached own_linear marginal_likelihood second_mass shares user_effects))
+  floor_not_reached own_linear marginal_likelihood second_mass))
 
 .PHONY: help install launcher demo test slow check kernel bench pictures constraints docs clean
 
@@ -41,8 +42,8 @@ check: $(TOOLS)  ## format, lint, types, import contracts
 test: $(TOOLS)  ## all tests
 	$(BIN)/pytest $(WORKERS)
 
-slow: $(TOOLS)  ## the tests that take long
-	$(BIN)/pytest $(WORKERS) -m slow
+slow: $(TOOLS)  ## the tests that take long, many of which wait for a board or a browser
+	$(BIN)/pytest -n 5 $(BY_FILE) -m slow
 
 kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, compiled code for any x86-64
 	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR="$(CURDIR)/build/kernel" \

@@ -16,14 +16,16 @@ FEW = tuple(
     for name in (
         "cubic_stiffness", "signed_quadratic_stiffness", "settling_stiffness", "time_varying_stiffness", "freeplay",
         "end_stop", "hysteresis", "quadratic_damping", "position_dependent_damping", "fading_damping",
-        "harmonic_forcing", "mains_hum",
+        "harmonic_forcing", "mains_hum", "pendulum_stiffness",
     )
 )  # fmt: skip
 """Effects enough for a choice between them; the whole library takes several times as long."""
 
 
-def diagnosed(*releases: FreeDecay | PreparedDecay) -> Diagnosis:
-    return diagnose(releases, library=FEW)
+def diagnosed(*releases: FreeDecay | PreparedDecay, also: str = "") -> Diagnosis:
+    """Diagnose releases together with these few effects, and one more."""
+    more = (find_effect(also),) if also and also not in {effect.name for effect in FEW} else ()
+    return diagnose(releases, library=(*FEW, *more))
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import pytest
 from releases import ready
+from specimens import FEW, diagnosed
 
 from identify.diagnosis.diagnose import diagnose, refine
 from identify.fitting.baseline import fit_baseline
@@ -43,7 +44,7 @@ def test_white_noise_shows_no_wander():
 @pytest.mark.slow
 def test_no_law_is_named_that_follows_a_walk():
     prepared, _ = release("wandering_damping", 0.0003, 1)
-    found = diagnose((prepared,))
+    found = diagnosed(prepared)
     assert found.verdict == "unknown_effect"
     assert found.named == ()
     assert found.suspects[0].claimed  # by chi-square alone it is beyond chance
@@ -52,13 +53,13 @@ def test_no_law_is_named_that_follows_a_walk():
 @pytest.mark.slow
 def test_a_line_does_not_vouch_for_a_law_that_follows_a_walk_beside_it():
     prepared, _ = release("wandering_stiffness+mains_hum", (0.0003, 0.003), 4)
-    named = diagnose((prepared,)).named
+    named = diagnosed(prepared).named
     assert not set(named) - {"mains_hum", "harmonic_forcing"}
 
 
 def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     prepared, _ = release("wandering_stiffness", 0.0003, 1)
-    found = diagnose((prepared,))
+    found = diagnosed(prepared)
     assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.walk is not None
     assert found.walk.stiffness > 0.0
@@ -72,7 +73,7 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
 def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it():
     name = "cubic_stiffness"
     prepared, truth = release(f"{name}+wandering_stiffness", (0.01, 0.0003), 8)
-    found = diagnose((prepared,))
+    found = diagnosed(prepared)
     assert found.named == (name,)
     strength = next(iter(truth["parameters"][name]))
     value = found.named_suspects[0].parameters[strength].value
@@ -81,12 +82,12 @@ def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it():
 
 @pytest.mark.slow
 def test_a_strong_walk_is_not_named_after_the_law_that_follows_most_of_it():
-    assert diagnose((release("wandering_stiffness", 0.01, 11300)[0],)).named == ()
+    assert diagnosed(release("wandering_stiffness", 0.01, 11300)[0]).named == ()
 
 
 def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     prepared, _ = release("cubic_stiffness", 0.003, 7)
-    found = diagnose((prepared,))
+    found = diagnosed(prepared)
     assert found.named == ("cubic_stiffness",)
     beside = walk_beside(found.final)
     assert max(beside.evidence, smooth_law_evidence(beside)) < 0.0
@@ -96,7 +97,7 @@ def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
 
 @pytest.mark.slow
 def test_no_law_is_named_that_follows_one_that_the_library_does_not_hold():
-    found = diagnose((release("amplitude_switched_damping", 0.003, 300)[0],))
+    found = diagnosed(release("amplitude_switched_damping", 0.003, 300)[0])
     assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.suspects[0].claimed
 
@@ -104,7 +105,7 @@ def test_no_law_is_named_that_follows_one_that_the_library_does_not_hold():
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed"), [("fading_friction", 300), ("fading_damping", 301)])
 def test_a_loss_that_fades_with_time_is_no_walk_and_does_not_depend_on_the_amplitude(name, seed):
-    found = diagnose((release(name, 0.003, seed)[0],))
+    found = diagnosed(release(name, 0.003, seed)[0], also=name)
     assert found.named == (name,)
     assert found.walk is None
 
@@ -120,7 +121,7 @@ def test_a_loss_that_fades_with_time_is_no_walk_and_does_not_depend_on_the_ampli
 def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, walk_of, seed):
     """Springs and dampers drift: what is named, and how well it is known, must allow for that."""
     prepared, truth = release(f"{name}+{walk_of}", (0.03, 0.003), seed)
-    found = diagnose((prepared,))
+    found = diagnosed(prepared, also=name)
     assert found.named == (name,)
     assert found.final.reduced > 2.0
     assert found.walk is not None
@@ -137,7 +138,7 @@ def test_a_law_is_named_beside_a_walk_that_keeps_it_far_from_the_floor(name, wal
 
 @pytest.mark.slow
 def test_what_remains_beside_a_drift_is_said_to_be_one():
-    steps = refine((release("cubic_stiffness+wandering_stiffness", (0.03, 0.003), 41000)[0],))
+    steps = refine((release("cubic_stiffness+wandering_stiffness", (0.03, 0.003), 41000)[0],), library=FEW)
     assert [step.added for step in steps.steps[1:]] == ["cubic_stiffness"]
     assert "random walk" in steps.stopped_because
 

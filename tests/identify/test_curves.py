@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
+from specimens import diagnosed
 
 from identify.curves.averaged_law import law_of
 from identify.curves.confirm import Curves
@@ -12,7 +13,6 @@ from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import cut_by_amplitude, hold_out
 from identify.curves.isolated_mode import IsolatedMode, isolated
 from identify.curves.likelihood import Added, CurveLikelihood
-from identify.diagnosis.diagnose import diagnose
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, find_effect
 from identify.effects.user import own_effect
@@ -219,7 +219,7 @@ def test_what_is_predicted_of_a_part_was_not_fitted_to_it():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["quadratic_damping", "end_stop"])
 def test_a_guessed_floor_that_is_reached_keeps_its_name(name):
-    found = diagnose(displacement_only(name, 0.03, 31, amplitude=0.02, mu_0=0.02))
+    found = diagnosed(displacement_only(name, 0.03, 31, amplitude=0.02, mu_0=0.02))
     assert found.named == (name,)
 
 
@@ -295,6 +295,6 @@ def test_a_name_that_one_record_gives_says_which_law_of_time_would_do_as_well():
         (0.0, 36.0), [0.1, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
     )  # fmt: skip
     erring = run.y[0] + lfilter([2e-4], [1.0, -0.8], random.standard_normal(900))
-    found = diagnose(FreeDecay(25.0, erring + 1e-4 * random.standard_normal(900)))
+    found = diagnosed(FreeDecay(25.0, erring + 1e-4 * random.standard_normal(900)))
     assert found.named == ("quadratic_damping",)
     assert "fading_damping" in found.suspects[0].rivals

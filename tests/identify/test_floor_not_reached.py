@@ -61,7 +61,7 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():
     """A card disc on a spring: drag is there, and besides a frequency that one release does not part from a drift."""
     position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[:, 1]
-    found = diagnose(FreeDecay(100.0, position))
+    found = diagnosed(FreeDecay(100.0, position))
     assert (found.verdict, found.named) == ("unconfirmed", ())
 
 
@@ -185,7 +185,7 @@ PAIRS = [
 def test_two_forces_in_one_channel_are_named_with_their_values(first: str, second: str, seed: int):
     """One of them alone leaves many times the noise, and has a wrong value or a wrong name."""
     sample = draw(f"{first}+{second}", (0.08, 0.04), seed, seconds=10.0)
-    found = diagnose(FreeDecay(sample.rate, displacement=sample.displacement))
+    found = diagnosed(FreeDecay(sample.rate, displacement=sample.displacement))
     assert not found.baseline.floor_is_sure
     assert set(found.named) == {first, second}
     assert found.baseline.adequate(found.final)
@@ -202,7 +202,7 @@ def test_two_forces_in_one_channel_of_two_releases_are_named_together():
         draw(specimen.hidden, 0.03, 500 + i, amplitude=a, **specimen.made_of)
         for i, a in enumerate((0.02, -0.012))
     ]
-    found = diagnose([FreeDecay(one.rate, displacement=one.displacement) for one in draws])
+    found = diagnosed(*(FreeDecay(one.rate, displacement=one.displacement) for one in draws))
     assert not found.baseline.floor_is_sure
     assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
 
@@ -244,7 +244,7 @@ def test_gravity_is_named_by_few_cycles_though_a_tracker_errs_and_twice_as_much_
     drift = 0.012 * np.cos(np.pi * time / time[-1]) + lfilter(
         [0.006], [1.0, -0.8], random.standard_normal(len(time))
     )
-    found = diagnose(
+    found = diagnosed(
         FreeDecay(12.0, motion.y[0] + drift + 5e-3 * random.standard_normal(len(time)), unit="rad")
     )
     assert not found.baseline.adequate(found.suspects[0].fit)

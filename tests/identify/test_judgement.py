@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from releases import drawn
+from specimens import diagnosed
 
 from identify.curves.confirm import Curves
 from identify.diagnosis.diagnose import diagnose
@@ -90,7 +91,7 @@ def test_a_line_of_one_sensor_is_named_beside_a_spring_that_wanders():
     sample = draw("wandering_stiffness", 3e-4, 702)
     time = np.arange(len(sample.displacement)) / sample.rate
     hum = 0.002 * np.abs(sample.displacement).max() * np.sin(2.0 * np.pi * 50.0 * time)
-    found = diagnose(FreeDecay(sample.rate, sample.displacement + hum, sample.acceleration))
+    found = diagnosed(FreeDecay(sample.rate, sample.displacement + hum, sample.acceleration))
     assert (found.verdict, found.named) == ("sensor_fault", ("mains_hum",))
     assert found.walk is not None
     frequency = found.suspects[0].parameters["f"]

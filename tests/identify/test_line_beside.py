@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
+from specimens import diagnosed
 from test_fit import fitted
 
-from identify.diagnosis.diagnose import diagnose
 from identify.fitting.fit import Fit
 from identify.fitting.misfit_errors import misfit_density
 from identify.fitting.model_error import line_percent
@@ -30,7 +30,7 @@ def release(effect: str | None, seed: int, *, mid_decay: bool) -> PreparedDecay:
     ("effect", "mid_decay"), [("quadratic_damping", False), ("hysteresis", False), ("hysteresis", True)]
 )
 def test_a_force_is_named_beside_the_hum_that_keeps_it_from_a_guessed_floor(effect: str, mid_decay: bool):
-    found = diagnose(release(effect, 62000, mid_decay=mid_decay))
+    found = diagnosed(release(effect, 62000, mid_decay=mid_decay))
     assert found.verdict == "missing_effect"
     assert set(found.named) == {effect, "mains_hum"}
     assert found.baseline.adequate(found.final)
@@ -40,7 +40,7 @@ def test_a_force_is_named_beside_the_hum_that_keeps_it_from_a_guessed_floor(effe
 @pytest.mark.slow
 @pytest.mark.parametrize("mid_decay", [False, True])
 def test_hum_where_no_force_is_hidden_brings_none(mid_decay: bool):
-    assert set(diagnose(release(None, 65001, mid_decay=mid_decay)).named) <= {"mains_hum"}
+    assert set(diagnosed(release(None, 65001, mid_decay=mid_decay)).named) <= {"mains_hum"}
 
 
 def test_the_residual_of_the_true_model_is_as_dense_as_the_noise_around_any_frequency():
@@ -57,7 +57,7 @@ def test_the_residual_of_the_true_model_is_as_dense_as_the_noise_around_any_freq
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "mid_decay"), [(65001, False), (60100, True)])
 def test_a_line_alone_that_is_too_small_to_be_worth_a_name_is_a_remark(seed: int, mid_decay: bool):
-    found = diagnose(release(None, seed, mid_decay=mid_decay))
+    found = diagnosed(release(None, seed, mid_decay=mid_decay))
     assert not found.baseline.floor_is_sure
     assert (found.verdict, found.named) == ("nothing_missing", ())
     assert "mains_hum" in found.final.model
@@ -74,5 +74,5 @@ def test_a_line_that_is_worth_a_name_is_named():
     sample = draw(None, 0.0, 65001, imperfections=IMPERFECTIONS, bits=12)
     motion = float(np.std(sample.displacement))
     hum = 0.02 * motion * np.sin(2.0 * np.pi * 50.0 * np.arange(len(sample.displacement)) / sample.rate)
-    found = diagnose(prepare(FreeDecay(sample.rate, displacement=sample.displacement + hum)))
+    found = diagnosed(prepare(FreeDecay(sample.rate, displacement=sample.displacement + hum)))
     assert (found.verdict, found.named) == ("sensor_fault", ("mains_hum",))

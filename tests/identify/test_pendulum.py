@@ -7,8 +7,8 @@ import pytest
 from releases import drawn
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk, j1
+from specimens import diagnosed
 
-from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Scales
 from identify.effects.library import LIBRARY, find_effect
@@ -76,8 +76,8 @@ def swung():
 
 
 @cache
-def diagnosed():
-    return diagnose((swung(),))
+def found():
+    return diagnosed(swung())
 
 
 def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
@@ -94,16 +94,14 @@ def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
 
 @pytest.mark.slow
 def test_the_diagnosis_names_it():
-    found = diagnosed()
-    assert found.verdict == "missing_effect"
-    assert found.named == ("pendulum_stiffness",)
+    assert found().verdict == "missing_effect"
+    assert found().named == ("pendulum_stiffness",)
 
 
 @pytest.mark.slow
 def test_a_cubic_spring_does_not_do_what_the_sine_does():
-    found = diagnosed()
-    cubic = next(s for s in found.suspects if s.effect.name == "cubic_stiffness")
-    assert found.suspects[0].evidence - cubic.evidence > 10.0
+    cubic = next(s for s in found().suspects if s.effect.name == "cubic_stiffness")
+    assert found().suspects[0].evidence - cubic.evidence > 10.0
     assert cubic.error_after > 1.2
 
 
@@ -171,10 +169,10 @@ def test_gravity_is_named_on_a_pendulum_that_swings_through_more_than_half_a_tur
         rtol=1e-10,
     )
     angle = run.y[0] + 1e-3 * np.random.default_rng(3).standard_normal(len(time))
-    found = diagnose((prepare(FreeDecay(100.0, displacement=angle, unit="rad")),))
-    assert found.named == ("pendulum_stiffness",)
-    assert "one and a half" not in found.next_experiment  # 195 degrees: it would not come back
-    assert found.suspects[0].error_after < 1.3  # the noise is drawn: 1, and six errors of 0.05
+    swing = diagnosed(FreeDecay(100.0, displacement=angle, unit="rad"))
+    assert swing.named == ("pendulum_stiffness",)
+    assert "one and a half" not in swing.next_experiment  # 195 degrees: it would not come back
+    assert swing.suspects[0].error_after < 1.3  # the noise is drawn: 1, and six errors of 0.05
 
 
 def test_gravity_that_is_the_whole_spring_is_known_as_well_as_the_spring():
@@ -234,4 +232,4 @@ def test_drag_beside_gravity_does_not_make_a_cubic_spring_of_it(angle: float, dr
         slope, (0.0, 24.5), (angle, 0.0), t_eval=time + 0.4, rtol=1e-9, atol=1e-11, method="LSODA"
     )
     noise = 2e-3 * angle * np.random.default_rng(5).standard_normal(len(time))
-    assert diagnose(FreeDecay(100.0, swing.y[0] + noise, unit="rad")).named[0] == "pendulum_stiffness"
+    assert diagnosed(FreeDecay(100.0, swing.y[0] + noise, unit="rad")).named[0] == "pendulum_stiffness"

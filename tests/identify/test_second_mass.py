@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from specimens import diagnosed
 
-from identify.diagnosis.diagnose import diagnose
 from identify.effects.effect import Scales
 from identify.effects.memory import SECOND_MASS
 from identify.free_decay import FreeDecay
@@ -46,7 +46,7 @@ def test_a_camera_s_second_harmonic_is_not_called_a_second_mass(phase: float) ->
     w = 2 * np.pi * 0.992
     reading = 44.9 * np.exp(-0.033 * time) * np.cos(w * time + 0.1) + 0.69 * np.cos(2 * w * time + phase)
     reading = np.round(2.0 * (reading + 0.2 * random.standard_normal(len(time)))) / 2.0
-    found = diagnose(FreeDecay(60.0, displacement=1e-3 * reading))
+    found = diagnosed(FreeDecay(60.0, displacement=1e-3 * reading), also="second_mass")
     assert found.verdict == "unknown_effect"
     assert not found.named
 
@@ -59,7 +59,9 @@ def test_what_swings_by_itself_is_named_though_the_record_begins_in_mid_decay(
 ) -> None:
     """One channel without a rest: how far the second mass was from equilibrium at the start is not known."""
     sample = draw(hidden, strength, seed)
-    found = diagnose(FreeDecay(sample.rate, sample.displacement[round(1.2 * sample.rate) :]))
+    found = diagnosed(
+        FreeDecay(sample.rate, sample.displacement[round(1.2 * sample.rate) :]), also="second_mass"
+    )
     assert found.named == (hidden,)
     if hidden == "second_mass":
         ratio = found.suspects[0].parameters["ratio"].value
