@@ -64,5 +64,5 @@ def test_the_board_s_clock_is_measured(
     or_skip(images.simavr_board, tmp_path / "simavr_board")
     with boards.mega(tmp_path, mega_image) as board:
         clock.main(board.port, 2.0)
-    # An emulator on a busy machine may lag by 0.1 s of the 2 s; a wrong formula is off by more than that.
-    assert int(capsys.readouterr().out) == pytest.approx(16e6, rel=0.1)
+    # An emulator on a busy machine lags, which reads as a slow clock; a wrong formula is off by another factor.
+    assert 8e6 < int(capsys.readouterr().out) < 1.1 * 16e6

@@ -67,7 +67,7 @@ def test_the_roll_off_is_that_of_a_first_order_filter():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("turned", [-1.0, 1.0 / 9.80665, 1000.0 / 9.80665])
+@pytest.mark.parametrize("turned", [-1.0, 1000.0 / 9.80665])
 def test_an_accelerometer_turned_over_or_in_another_unit_hides_no_force(turned: float):
     sample = draw("cubic_stiffness", 0.02, 77, amplitude=0.02)
     found = diagnose(FreeDecay(sample.rate, sample.displacement, turned * sample.acceleration))
