@@ -81,8 +81,12 @@ def in_order(
 ) -> tuple[Array, Index]:
     """Return stamps that never fall: rows written twice are dropped, rows slightly out of order are sorted.
 
-    A clock that was set back goes on where the rows are said to be `even`.
+    Where the newest row comes first, the rows are turned round. A clock that was set back goes on where the rows are said
+    to be `even`.
     """
+    if time[0] > time[-1] and np.all(np.diff(time) <= 0.0):
+        time, rows = time[::-1], rows[::-1]
+        notes.append("the newest row comes first: the rows were turned round")
     steps = np.diff(time)
     if np.all(steps > 0.0):
         return time, rows

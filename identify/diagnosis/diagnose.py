@@ -64,8 +64,8 @@ class Diagnosis(Summarised):
 
     `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `named` are
     the effects that the verdict names, several where it takes several. `findings` are sensors' faults that are corrected in
-    every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
-    shows. `shape` is the free-form force, when something is missing that has no name. `confirmation` is what the curves of
+    every fit but ought to be mended. `judged` is the fit with what was found, against the baseline's floor as all suspects
+    are, and `final` the same against the floor that its own residual shows. `shape` is the free-form force, when something is missing that has no name. `confirmation` is what the curves of
     the decay predict, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
     what each effect of the final model does at the largest and at the smallest amplitude; none where something without a
     name is missing. `harmonics` says, near a floor that is a guess, whether the residual stands at the motion's harmonics;
@@ -81,6 +81,7 @@ class Diagnosis(Summarised):
     suspects: tuple[Suspect, ...]
     named: tuple[str, ...]
     findings: tuple[CorrectedFault, ...]
+    judged: Fit
     final: Fit
     shape: NonparametricForce | None
     explanation: str
@@ -269,6 +270,7 @@ def diagnose(
         suspects=suspects,
         named=named,
         findings=findings,
+        judged=judgement.final,
         final=settled.fit,
         shape=judgement.shape,
         explanation=" ".join(filter(None, said)),

@@ -140,7 +140,7 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     if not top.strength_known:
         what += " (this record does not determine its strength)"
     before = three_figures(baseline.reduced(baseline.fit))
-    after = three_figures(settled.fit.reduced if together else top.error_after)
+    after = three_figures(baseline.reduced(judgement.final) if together else top.error_after)
     if together:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:

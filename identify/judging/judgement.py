@@ -179,8 +179,8 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     return Suspect(
         effect=candidate.term.effect,
         term=term,
-        error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
-        motion_after=motion_percent(settled.fit if is_final else candidate.fit),
+        error_after=baseline.reduced(candidate.fit),
+        motion_after=motion_percent(candidate.fit),
         evidence=candidate.evidence,
         claimed=candidate.claimed,
         baseline=baseline,

@@ -175,6 +175,12 @@ def test_a_few_rows_out_of_order_are_sorted(tmp_path: Path) -> None:
     assert "out of order" in said(recording)
 
 
+def test_a_file_whose_newest_row_comes_first_is_turned_round(tmp_path: Path) -> None:
+    recording = load(tmp_path, table(HEADER, T[::-1], U[::-1]))
+    np.testing.assert_allclose(recording.samples[0], U, rtol=1e-8)
+    assert "the newest row comes first" in said(recording)
+
+
 def test_a_clock_that_jumps_back_into_the_record_is_refused_with_its_line(tmp_path: Path) -> None:
     message = refusal(
         tmp_path, table(HEADER, np.concatenate((T[:200], T[40:240])), U)
