@@ -62,18 +62,19 @@ _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_mi
 class Diagnosis(Summarised):
     """The result of a diagnosis: what a model lacks.
 
-    `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `named` are
-    the effects that the verdict names, several where it takes several. `findings` are sensors' faults that are corrected in
-    every fit but ought to be mended. `judged` is the fit with what was found, against the baseline's floor as all suspects
-    are, and `final` the same against the floor that its own residual shows. `shape` is the free-form force, when something is missing that has no name. `confirmation` is what the curves of
-    the decay predict, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
-    what each effect of the final model does at the largest and at the smallest amplitude; none where something without a
-    name is missing. `harmonics` says, near a floor that is a guess, whether the residual stands at the motion's harmonics;
-    None where the floor itself decides. `modes` are other modes of the structure that the residual shows. Forces that
-    remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
-    `walk` is a random walk of spring and damper that remains beside the name or, without one, explains all of the misfit.
-    `decided` is what the table weighed and decided, for each of several effects its own, empty where it was not asked.
-    `caution` is what to keep in mind. `places` say what was tried in the place of each of several names.
+    `baseline` is the fitted model with its noise floor. `suspects` come in order, what the verdict names first. `named`
+    are the effects that the verdict names, several where it takes several. `findings` are sensors' faults that are
+    corrected in every fit but ought to be mended. `judged` is the fit with what was found, against the baseline's floor
+    as all suspects are, and `final` the same against the floor that its own residual shows. `shape` is the free-form
+    force, when something is missing that has no name. `confirmation` is what the curves of the decay predict, None where
+    they were not asked. `decays` are the whole releases, the largest first. `shares` say what each effect of the final
+    model does at the largest and at the smallest amplitude; none where something without a name is missing. `harmonics`
+    says, near a floor that is a guess, whether the residual stands at the motion's harmonics; None where the floor itself
+    decides. `modes` are other modes of the structure that the residual shows. Forces that remove less than `worth` % of
+    the motion were not named: `too_small` is what such a one removes, 0 where there is none. `walk` is a random walk of
+    spring and damper that remains beside the name or, without one, explains all of the misfit. `decided` is what the
+    table weighed and decided, for each of several effects its own, empty where it was not asked. `caution` is what to
+    keep in mind. `places` say what was tried in the place of each of several names.
     """
 
     baseline: Baseline

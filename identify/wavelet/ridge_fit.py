@@ -41,7 +41,10 @@ _BAND = 3.0  # factor about the frequency of the ridge within which it sees anyt
 
 
 class RunsAway(NotIdentifiable):
-    """The coefficients describe no free decay: the motion grows without end, is no number, or leaves the ridge's band."""
+    """The coefficients describe no free decay.
+
+    The motion grows without end, is no number, leaves the ridge's band, or dry friction would hold the mass from the start.
+    """
 
     def __init__(self) -> None:
         super().__init__(
@@ -158,7 +161,8 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Array:
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
     phase, frequency = fit.phase_fit.parameters[:2]
-    if not 1.0 / _BAND < frequency / observed.angular_frequency < _BAND:
+    in_band = 1.0 / _BAND < frequency / observed.angular_frequency < _BAND
+    if not in_band or abs(damping[0]) > abs(stiffness[1] * amplitude):
         raise RunsAway
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
