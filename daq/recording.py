@@ -67,7 +67,8 @@ class Recording:
 
     `rate_std` is the standard error of the rate in Hz (None where the rate was given), `trigger` the sample at which
     the station saw the release during the capture (None for imports), `notes` what was understood or
-    guessed on the way in, a sentence each, `run` the name of the run in a file that holds several.
+    guessed on the way in, a sentence each, `run` the name of the run in a file that holds several. `as_read` are the rows
+    themselves, one a sample, where the samples are those of a curve through them.
     """
 
     rate: float
@@ -79,6 +80,7 @@ class Recording:
     trigger: int | None = None
     notes: tuple[str, ...] = ()
     run: str = ""
+    as_read: "Recording | None" = None
 
     def __post_init__(self) -> None:
         samples = np.array(self.samples, dtype=np.float64)
@@ -112,4 +114,5 @@ def cut(recording: Recording, start: int, stop: int) -> Recording:
         valid=recording.valid[start:stop],
         gaps=tuple(gaps),
         notes=(*recording.notes, f"samples {start} to {stop - 1} of the file"),
+        as_read=None,
     )

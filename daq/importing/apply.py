@@ -273,9 +273,13 @@ def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe
             "motion itself, five cycles or more with at least ten readings each",
         )
     channels = tuple(Channel(readings[q].column.label or q, q, readings[q].unit.si) for q in quantities)
-    return Recording(
+    recording = Recording(
         clock.rate, channels, samples, valid, find_gaps(valid, clock), clock.rate_std, None, notes, table.run
     )
+    if clock.stamps is None:
+        return recording
+    there = np.asarray(np.isfinite(values).all(axis=0))
+    return replace(recording, as_read=Recording(clock.rate, channels, values, there))
 
 
 def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Timebase:

@@ -15,6 +15,7 @@ from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe, to_toml
 from daq.manifest import NAME as MANIFEST
 from daq.recording import Recording, cut
+from daq.sensor_faults import sensor_faults
 from daq.session import Session, verify
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
@@ -152,6 +153,7 @@ def import_file(
     as_said = (recipe is not None or bool(said)) and bool(look.proposal.recipe.parts)
     whole = bool(look.proposal.recipe.parts)
     pieces, notes = _pieces(read.recordings, whole=whole, as_said=as_said)
+    notes += tuple(sentence for one in read.recordings for sentence in _smoothed_over(one))
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
@@ -192,6 +194,15 @@ def _pieces(
             f"{len(runs)} runs in the file: each becomes a session; a run without a note of its own was read like the first"
         )
     return pieces, tuple(notes)
+
+
+def _smoothed_over(recording: Recording) -> tuple[str, ...]:
+    """Say which faults of sensors the rows show that a curve through them hides."""
+    found = () if recording.as_read is None else sensor_faults(recording.as_read).suspicions
+    return tuple(
+        f"the rows themselves, before the spline: {one.reason} ({one.advice}); --rate reads them as they are"
+        for one in found
+    )
 
 
 def _form(note: str) -> str:
@@ -264,7 +275,7 @@ def _from_release(
     start, what = found
     note = (
         f"{what} was found before the decay: the first {start / recording.rate:.4g} s were left out "
-        "(--from and --to choose the part to read)"
+        "(--from and --to, in the times of the file, choose the part to read)"
     )
     return [cut(recording, start, recording.samples.shape[1])], (note,)
 

@@ -318,3 +318,13 @@ def test_a_recording_that_is_not_sound_says_so_as_it_is_imported(capsys):
     assert run(["import", "sound.csv"]) == 0
     assert "verdict" not in capsys.readouterr().out
     assert imported(capsys, "held.csv")["verdicts"] == ["REJECT"]
+
+
+@pytest.mark.parametrize("cut_off", [True, False])
+def test_a_spline_through_uneven_stamps_hides_no_reading_that_was_cut_off(capsys, cut_off):
+    stamps = T + np.random.default_rng(3).uniform(-0.4, 0.4, N) / RATE
+    there = 20.0 * np.exp(-0.2 * stamps) * np.cos(2 * np.pi * 1.3 * stamps)
+    written("uneven.csv", "t (s),x (mm)", stamps, np.clip(there, -9.0, 9.0) if cut_off else there)
+    told = " ".join(imported(capsys, "uneven.csv", "--resample")["notes"])
+    assert "cubic spline" in told
+    assert ("before the spline: x (mm) is cut off flat" in told) == cut_off
