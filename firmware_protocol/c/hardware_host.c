@@ -202,11 +202,11 @@ size_t hardware_send(const uint8_t *bytes, size_t count) {
 }
 
 #if BOARD_HOLDER
-/* The carriage's steps up to `now`, in ticks of the clock. */
+/* The carriage's steps up to `now`, in ticks of the clock; a sample may be due a little before the last step. */
 static void step_until(uint64_t now) {
     static uint64_t stepped;
     uint64_t every = hardware_clock_hz / (uint32_t)hardware_holder.ticks_hz;
-    for (; now - stepped >= every; stepped += every) {
+    for (; stepped + every <= now; stepped += every) {
         now_s = (double)stepped / hardware_clock_hz;
         if (stepping) board_holder_tick();
     }

@@ -34,7 +34,9 @@ def told(name: str, result: Identification, *, full: bool = False) -> Told:
 
 
 def next_command(result: Identification) -> str:
-    """Choose the command that comes next: to look where the model fails, or at what was found."""
+    """Choose the command that comes next: to look where the model fails, at what was found, or at the recording alone."""
+    if not result.methods:
+        return "view"
     return "report" if result.adequacy is not None and result.adequacy.adequate else "compare"
 
 

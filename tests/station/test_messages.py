@@ -1,5 +1,6 @@
 """What a newcomer types wrong, and what each command ends with: read as the person at the terminal does."""
 
+import numpy as np
 import pytest
 
 from identify.estimate import Estimate
@@ -88,6 +89,18 @@ def test_a_command_without_a_session_ends_with_the_next_step(place, capsys, monk
     assert run([command]) == 0
     out = capsys.readouterr().out
     assert "station " in out.splitlines()[-1]
+
+
+def test_what_cannot_be_identified_is_to_be_looked_at(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(400) / 100.0
+    motion = 0.01 * np.exp(-1.5 * time) * np.cos(2 * np.pi * time)
+    motion += 2e-4 * np.random.default_rng(1).standard_normal(len(time))
+    np.savetxt(
+        "few.csv", np.column_stack([time, motion]), delimiter=",", header="time_s,displacement_m", comments=""
+    )
+    assert run(["identify", "few.csv"]) == 8
+    assert " next: station view " in capsys.readouterr().out
 
 
 @pytest.mark.slow
