@@ -114,5 +114,5 @@ def cut(recording: Recording, start: int, stop: int) -> Recording:
         valid=recording.valid[start:stop],
         gaps=tuple(gaps),
         notes=(*recording.notes, f"samples {start} to {stop - 1} of the file"),
-        as_read=None,
+        as_read=None if recording.as_read is None else cut(recording.as_read, start, stop),
     )

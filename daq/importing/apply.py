@@ -278,8 +278,8 @@ def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe
     )
     if clock.stamps is None:
         return recording
-    there = np.asarray(np.isfinite(values).all(axis=0))
-    return replace(recording, as_read=Recording(clock.rate, channels, values, there))
+    rows, there = on_clock(values, replace(clock, stamps=None))
+    return replace(recording, as_read=Recording(clock.rate, channels, rows, there))
 
 
 def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Timebase:

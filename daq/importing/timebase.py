@@ -84,8 +84,9 @@ def from_stamps(
     rounding = _rounding(np.abs(column.values[rows]) * unit.scale)
     told = np.maximum(rounding, TOLD * period)
     weight = told**-2.0
+    first = rows.max() if rows[0] > rows[-1] else rows.min()
     index = (
-        np.sort(rows) - rows.min()
+        np.sort(np.abs(rows - first))
         if even
         else _number_samples(table, column, time, rows, period, rounding, weight)
     )

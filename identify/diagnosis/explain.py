@@ -106,7 +106,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     if line is not None:
         return (
             f"{_line_in_words(line)} With it the model leaves a reduced chi-square of "
-            f"{three_figures(settled.fit.reduced)}, without it {left}; {floor} is a guess."
+            f"{three_figures(line.error_after)}, without it {left}; {floor} is a guess."
         )
     if not baseline.adequate(baseline.fit):
         return (
@@ -151,20 +151,18 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     first, last = map(three_figures, misfits[where])
     return (
         f"{what} the residual from {first} to {last} % of the {where}, and the reduced chi-square from {before} to "
-        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement, settled)}"
+        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
 
 
-def _above_the_floor(baseline: Baseline, judgement: Judgement, settled: Baseline) -> str:
+def _above_the_floor(baseline: Baseline, judgement: Judgement) -> str:
     """Say that what a name leaves is more than the noise at rest, and was weighed against laws; "" where it was not."""
     reached = not baseline.floor_is_sure or baseline.adequate(judgement.final)
     if reached or judgement.shape is not None or judgement.walk is not None:
         return ""
-    return (
-        f" The residual is {_times_the_noise(settled.fit.reduced)}, but neither a random walk nor a smooth law explains "
-        "more of it than chance would."
-    )
+    times = _times_the_noise(baseline.reduced(judgement.final))
+    return f" The residual is {times}, but neither a random walk nor a smooth law explains more of it than chance would."
 
 
 def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> str:

@@ -126,6 +126,7 @@ def _diagnosed(prepared: PreparedDecay) -> dict[str, Any]:
     content = fit_content(found.baseline)
     if found.named:
         final = fit_content(replace(found.baseline, fit=found.final))
+        judged = fit_content(replace(found.baseline, fit=found.judged))
         content["parameters"] = final["parameters"] | content["parameters"]
-        content |= {f"{name}_named": final[name] for name in ("chi2", "motion_percent")}
+        content |= {f"{name}_named": judged[name] for name in ("chi2", "motion_percent")}
     return content | {"verdict": found.verdict, "named": found.named}

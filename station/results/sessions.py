@@ -153,7 +153,6 @@ def import_file(
     as_said = (recipe is not None or bool(said)) and bool(look.proposal.recipe.parts)
     whole = bool(look.proposal.recipe.parts)
     pieces, notes = _pieces(read.recordings, whole=whole, as_said=as_said)
-    notes += tuple(sentence for one in read.recordings for sentence in _smoothed_over(one))
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
@@ -182,10 +181,11 @@ def _pieces(
     for run in runs:
         parts, said = ([run], ()) if as_said else split(run, whole=whole)
         name = f"_run{run.run}" if len(runs) > 1 else ""
-        pieces += [
-            (name if len(parts) == 1 else f"{name}_{number}", part)
-            for number, part in enumerate(parts, start=1)
-        ]
+        for number, part in enumerate(parts, start=1):
+            hidden = _smoothed_over(part)
+            part = replace(part, notes=(*part.notes, *hidden))
+            pieces.append((name if len(parts) == 1 else f"{name}_{number}", part))
+            said = (*said, *hidden)
         alike = {_form(note) for note in notes}
         own = [note for note in (*run.notes, *said) if _form(note) not in alike]
         notes += [f"run {run.run}: {note}" if name and run is not runs[0] else note for note in own]

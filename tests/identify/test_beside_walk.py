@@ -44,7 +44,7 @@ def test_white_noise_shows_no_wander():
 @pytest.mark.slow
 def test_no_law_is_named_that_follows_a_walk():
     prepared, _ = release("wandering_damping", 0.0003, 1)
-    found = diagnosed(prepared)
+    found = diagnose((prepared,))
     assert found.verdict == "unknown_effect"
     assert found.named == ()
     assert found.suspects[0].claimed  # by chi-square alone it is beyond chance

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from import_files import OMEGA, load, refusal, said, swing, table
 
+from daq.importing.reading import read_runs
+from daq.importing.recipe import read_recipe
 from daq.quality import judge
 
 T, U, V, A = swing(400)
@@ -338,3 +340,16 @@ def test_time_without_a_name_is_found_though_it_is_rounded_to_more_than_a_sample
     assert recording.rate == pytest.approx(30.0, rel=2e-3)
     assert "'x' is not named as a time, but its numbers rise evenly" in said(recording)
     assert np.abs(recording.samples[0][0]) == pytest.approx(math.radians(20.0), rel=1e-3)
+
+
+def test_of_rows_turned_round_a_lost_stamp_is_where_it_was(tmp_path: Path) -> None:
+    lines = table(HEADER, T[::-1], U[::-1]).splitlines()
+    lines[61] = "," + lines[61].split(",", 1)[1]
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    recipe = tmp_path / "recipe.toml"
+    fields = '{column = 1, role = "time", unit = "s"}, {column = 2, role = "displacement", unit = "m"}'
+    recipe.write_text(f"even = true\nfields = [{fields}]\n")
+    (recording,) = read_runs(tmp_path / "a.csv", None, read_recipe(recipe))
+    lost = len(T) - 61
+    assert list(np.flatnonzero(~recording.valid)) == [lost]
+    np.testing.assert_allclose(recording.samples[0][recording.valid], np.delete(U, lost), rtol=1e-8)
