@@ -4,8 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
-BY_FILE := --dist loadfile --no-loadscope-reorder
-WORKERS := -n 3 $(BY_FILE)
+WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, above_the_floor curve_evidence diagnose explanation few_releases judgement \
@@ -42,8 +41,8 @@ check: $(TOOLS)  ## format, lint, types, import contracts
 test: $(TOOLS)  ## all tests
 	$(BIN)/pytest $(WORKERS)
 
-slow: $(TOOLS)  ## the tests that take long, many of which wait for a board or a browser
-	$(BIN)/pytest -n 5 $(BY_FILE) -m slow
+slow: $(TOOLS)  ## the tests that take long
+	$(BIN)/pytest $(WORKERS) -m slow
 
 kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, compiled code for any x86-64
 	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR="$(CURDIR)/build/kernel" \
