@@ -19,6 +19,7 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
+from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
 from identify.fitting.whole_spring import as_the_whole_spring
@@ -98,6 +99,12 @@ class Diagnosis(Summarised):
     decided: tuple[Evidence, ...] = ()
     caution: str = ""
     places: tuple[InPlace, ...] = ()
+
+    @property
+    def error_with_named(self) -> ModelError:
+        """The errors with what is named, its chi-square in the noise by which all suspects were judged."""
+        found = errors_of(replace(self.baseline, fit=self.final))
+        return replace(found, chi_square=self.baseline.reduced(self.judged))
 
     @cached_property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

@@ -41,17 +41,16 @@ _BAND = 3.0  # factor about the frequency of the ridge within which it sees anyt
 
 
 class RunsAway(NotIdentifiable):
-    """The coefficients describe no free decay: the motion grows without end, is no number, or leaves the ridge's band."""
+    """The coefficients describe no free decay.
+
+    The motion grows without end, is no number, leaves the ridge's band, or its dry friction holds it from the start.
+    """
 
     def __init__(self) -> None:
         super().__init__(
             "with the stiffness and the damping of the envelope the motion would diverge; "
             "release from a smaller amplitude, or try lower orders"
         )
-
-
-class Sticks(RunsAway):
-    """The dry friction of the coefficients would hold the mass from the start: an order of damping too many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,10 +161,9 @@ def exact_decay(observed: Observed, fit: RidgeFit) -> Array:
     stiffness, damping = parameters_of(fit)
     amplitude, *losses = fit.envelope_fit.parameters
     phase, frequency = fit.phase_fit.parameters[:2]
-    if not 1.0 / _BAND < frequency / observed.angular_frequency < _BAND:
+    in_band = 1.0 / _BAND < frequency / observed.angular_frequency < _BAND
+    if not in_band or abs(damping[0]) > abs(stiffness[1] * amplitude):
         raise RunsAway
-    if abs(damping[0]) > abs(stiffness[1] * amplitude):
-        raise Sticks
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
     decay = simulate_decay(

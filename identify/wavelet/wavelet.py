@@ -25,7 +25,6 @@ from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
     RunsAway,
-    Sticks,
     exact_decay,
     first_fit,
     free_of_bias,
@@ -127,7 +126,7 @@ def _with_orders(
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
     which the motion would diverge, or that no rounds settle, are not tried again: first those of stiffness,
-    then those of damping; these first where dry friction would hold the mass.
+    then those of damping.
     """
     least, most = damping
     fit, refused = begun, "" if tried[-1] == STIFFNESS_ORDERS[-1] else ": with one the motion would diverge"
@@ -146,11 +145,10 @@ def _with_orders(
             if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
                 raise RunsAway
             fit = settled
-        except RunsAway as refusal:
+        except RunsAway:
             if not best and order <= least:
                 raise
-            of_stiffness = best and not (isinstance(refusal, Sticks) and order > least)
-            fewer = (damping, tried[:best]) if of_stiffness else ((least, order - 1), tried)
+            fewer = (damping, tried[:best]) if best else ((least, order - 1), tried)
             return _with_orders(observed, begun, *fewer)
     return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason + refused)
 

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import time
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -125,8 +125,9 @@ def _diagnosed(prepared: PreparedDecay) -> dict[str, Any]:
     found = diagnose(prepared)
     content = fit_content(found.baseline)
     if found.named:
-        final = fit_content(replace(found.baseline, fit=found.final))
-        judged = fit_content(replace(found.baseline, fit=found.judged))
-        content["parameters"] = final["parameters"] | content["parameters"]
-        content |= {f"{name}_named": judged[name] for name in ("chi2", "motion_percent")}
+        stated = dict(found.baseline.stated(found.final).parameters)
+        content["parameters"] = stated | content["parameters"]
+        content |= picked(
+            found.error_with_named, chi2_named="chi_square", motion_percent_named="motion_percent"
+        )
     return content | {"verdict": found.verdict, "named": found.named}

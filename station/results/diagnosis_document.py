@@ -1,7 +1,6 @@
 """A diagnosis as a document: what `--json` prints and `results/diagnosis.json` keeps; one writer and one reader."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Annotated, Any
 
 from pydantic import AliasPath, BeforeValidator, Field
@@ -269,7 +268,7 @@ def diagnosis_document(
         confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],
         confirmation=None if confirmation is None else confirmation_document(confirmation, names),
         suspects=[_suspect(suspect, found, expressions) for suspect in in_order(found)],
-        error_with_named=errors_of(replace(baseline, fit=found.judged)),
+        error_with_named=found.error_with_named,
         held_out=None
         if left_out is None
         else [HeldOutDocument.of(one, session=name) for name, one in zip(names, left_out, strict=True)],

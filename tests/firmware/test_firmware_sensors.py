@@ -62,7 +62,10 @@ def test_the_board_s_clock_is_measured(
     mega_image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     or_skip(images.simavr_board, tmp_path / "simavr_board")
+    found = []
     with boards.mega(tmp_path, mega_image) as board:
-        clock.main(board.port, 2.0)
-    # An emulator on a busy machine lags, which reads as a slow clock; a wrong formula is off by another factor.
-    assert 8e6 < int(capsys.readouterr().out) < 1.1 * 16e6
+        while len(found) < 5 and max(found, default=0) < 0.9 * 16e6:
+            clock.main(board.port, 2.0)
+            found.append(int(capsys.readouterr().out))
+    # An emulator on a busy machine lags, which reads as a slow clock; a wrong formula is off by more each time.
+    assert max(found) == pytest.approx(16e6, rel=0.1)

@@ -1,12 +1,16 @@
 """Coefficients with which a motion runs away: refused in one sentence, or given up for lower orders."""
 
+from contextlib import nullcontext
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.wavelet.ridge_fit import observe, simulate_decay
+from identify.signal.averaging import envelope_factors
+from identify.wavelet.ridge_fit import exact_decay, first_fit, observe, simulate_decay
 from identify.wavelet.wavelet import identify_wavelet
 
 
@@ -34,6 +38,21 @@ def pendulum(amplitude: float, damping: float, rate: float = 50.0, seconds: floa
 def test_coefficients_that_describe_no_decay_are_refused_in_a_sentence(stiffness, damping):
     with pytest.raises(NotIdentifiable, match="would diverge"):
         simulate_decay(0.02, 0.0, stiffness, np.array(damping), 1 / 256, 2048)
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.9, False), (1.1, True), (-1.1, True)])
+def test_dry_friction_that_would_hold_the_mass_from_the_start_is_refused(share, holds):
+    """mu_0 of 2 m/s^2 on a spring of 100 1/s^2 holds 20 mm; other orders of damping may hide that in an envelope."""
+    time = np.arange(1000) / 100.0
+    decay = 0.02 * np.exp(-0.1 * time) * np.cos(10.0 * time)
+    seen = observe(decay, np.ones(1000, dtype=bool), 100.0, 0, 10.0, 1e-6)
+    fit = first_fit(seen, 1, (1,))
+    amplitude, _, viscous = fit.envelope_fit.parameters
+    most = 100.0 * amplitude * envelope_factors(10.0, 1)[0]
+    parameters = np.array([amplitude, share * most, viscous])
+    changed = replace(fit, envelope_fit=replace(fit.envelope_fit, parameters=parameters))
+    with pytest.raises(NotIdentifiable) if holds else nullcontext():
+        exact_decay(seen, changed)
 
 
 def test_a_softening_spring_within_its_well_is_no_runaway():
