@@ -26,6 +26,7 @@ from identify.preprocessing.noise_colour import (
     RestColour,
     alike,
     best,
+    line_penalty,
     log_uncertainty,
     white_part,
     with_common_lines,
@@ -159,7 +160,7 @@ _HARMONICS = 3
 _INDEPENDENT = 0.52
 """Independent values a bin of a spectrum under Hann's taper."""
 
-_LINE, _LINE_BINS = 14.0, 6
+_LINE, _LINE_BINS, _MOST_LINES = 14.0, 2, 8
 _FEWEST = 24
 _SMOOTH = 3.5
 """Standard errors by which the power at the harmonics may lie above that of the noise."""
@@ -244,9 +245,7 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         backgrounds = np.array(
             [spectrum(shape.of_strength(1.0, rate), frequency, fit.windows[i].rate) - 1.0 for shape in SHAPES]
         )
-        spread = 1.0 + STRENGTHS[:, None] * backgrounds[:, None, between]
-        variance = np.maximum(np.mean(power[between] / spread, axis=2), 1e-300)
-        own = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + np.log(spread).sum(axis=2))
+        own, variance, between = _beside_lines(power, backgrounds, between)
         own -= own[0, 0]
         places = alike(own + at_rest)
         models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
@@ -259,6 +258,37 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
             own[[row for (row, _), good in zip(places, smooth, strict=True) if not good]] -= UNLIKE
             total += own
     return total
+
+
+def _beside_lines(power: Array, backgrounds: Array, between: Mask) -> tuple[Array, Array, Mask]:
+    """Return the log-likelihood of every colour beside the lines of a spectrum, its white part, and the bins without lines.
+
+    A line explains its bins, beside a colour or in its place. It must bring as much as a line at rest.
+    """
+    spread = 1.0 + STRENGTHS[:, None] * backgrounds[:, None, between]
+    logs = np.log(spread).sum(axis=2)
+
+    def beside_what_is_not_in(kept: Mask) -> tuple[Array, Array, Mask]:
+        variance = np.maximum(np.mean(power[kept] / spread[:, :, kept[between]], axis=2), 1e-300)
+        table = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + logs)
+        return table, variance, kept
+
+    found = beside_what_is_not_in(between)
+    for _ in range(_MOST_LINES):
+        table, _, kept = found
+        row, column = best(table - table[0, 0])
+        trials = []
+        for level in (1.0, 1.0 + STRENGTHS[column] * backgrounds[row]):
+            at = int(np.argmax(np.where(kept, power / level, 0.0)))
+            without = kept.copy()
+            without[max(at - _LINE_BINS, 0) : at + _LINE_BINS + 1] = False
+            if int(without.sum()) >= _FEWEST:
+                trials.append(beside_what_is_not_in(without))
+        best_of_them = max(trials, key=lambda one: float(one[0].max()), default=found)
+        if float(best_of_them[0].max()) < float(table.max()) + line_penalty(len(power)):
+            break
+        found = best_of_them
+    return found
 
 
 def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:
@@ -290,11 +320,4 @@ def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | N
     inside = (frequency > 2.5 * width) & (frequency < 0.49 * window.rate)
     between = inside & (off * f0 > max(_BETWEEN * f0, 3.0 * width))
     harmonic = inside & ~between & (nearest <= _HARMONICS)
-    for _ in range(8):
-        level = np.median(power[between]) / np.log(2.0) if between.any() else 0.0
-        high = np.flatnonzero(between & (power > _LINE * level) & (frequency > 2.5 * f0))
-        if len(high) == 0:
-            break
-        at = high[int(np.argmax(power[high]))]
-        between[max(at - _LINE_BINS, 0) : at + _LINE_BINS + 1] = False
     return (frequency, power, between, harmonic) if int(between.sum()) >= _FEWEST else None

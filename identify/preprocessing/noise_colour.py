@@ -125,7 +125,12 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
     components = SHAPES[row].of_strength(float(STRENGTHS[column]), rate)
     others, rest_of_it = _without_lines(values, components, rate)
     again, white_again = _likelihood(rest_of_it)
-    gain = white_again + float(again.max()) - white - _penalty(values) * (len(others) - len(lines))
+    gain = (
+        white_again
+        + float(again.max())
+        - white
+        - line_penalty(0.75 * len(values)) * (len(others) - len(lines))
+    )
     if gain < COLOURED:
         return if_white
     settled = best(again)  # the first colour may have taken the lines for a part of itself
@@ -189,8 +194,9 @@ def _likelihood(values: Array) -> tuple[Array, float]:
     return np.asarray(np.array(table) - table[0][0]), float(table[0][0])
 
 
-def _penalty(values: Array) -> float:
-    return float(np.log(0.75 * len(values)) + _LINE)
+def line_penalty(frequencies: float) -> float:
+    """Return the log-likelihood that a line must bring, of so many independent frequencies that it may have."""
+    return float(np.log(frequencies) + _LINE)
 
 
 def _without_lines(
@@ -203,7 +209,7 @@ def _without_lines(
     background = spectrum(components, frequency, rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
     places: list[int] = []
-    left, limit = without_line(values), _penalty(values)
+    left, limit = without_line(values), line_penalty(0.75 * len(values))
     columns = [np.ones(n), clock]
     found: Array = np.zeros(2)
     for _ in range(_MOST_LINES):

@@ -8,6 +8,7 @@ from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.noise_colour import noise_colours
+from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.noise_colour import (
     COLOURED,
@@ -19,6 +20,7 @@ from identify.preprocessing.noise_colour import (
     white_part,
     with_common_lines,
 )
+from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 from mocks.imperfections import HUM, ONE_OVER_F, RANDOM_WALK, one_over_f
 
@@ -184,3 +186,16 @@ def test_without_a_rest_hum_in_both_channels_is_told_from_a_force_by_the_motion_
     found = fit_baseline((prepared,), base_model())
     assert len(found.fit.windows[0].colour) == expected
     assert found.at_floor == (expected == 2)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_slow_line_of_a_short_record_without_a_rest_is_no_colour(seed):
+    """Nine cycles of 1.4 Hz at 40 Hz, as a phone records them: a line at half the frequency is no noise of any shape."""
+    draws = np.random.default_rng(seed)
+    time = np.arange(260) / 40.0
+    motion = 0.01 * np.exp(-0.12 * time) * np.cos(2.0 * np.pi * 1.4 * time)
+    noise = 1e-4 * draws.standard_normal(len(time))
+    line = 4e-4 * np.sin(2.0 * np.pi * 0.7 * time + draws.uniform(0.0, 6.0))
+    beside = fit_baseline((prepare(FreeDecay(40.0, motion + noise + line, unit="m")),), base_model())
+    assert not beside.fit.windows[0].colour
+    assert beside.reduced(beside.fit) > 2.0 * beside.highest
