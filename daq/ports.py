@@ -45,10 +45,8 @@ def probe(
         with Link(opener(description.name)) as link:
             hello = link.handshake(seconds)
             return Candidate(description, hello, link.assembly.channels, answers=True)
-    except BoardError as error:
-        return Candidate(description, problem=str(error), answers=True)
     except StationError as error:
-        return Candidate(description, problem=str(error))
+        return Candidate(description, problem=str(error), answers=isinstance(error, BoardError))
 
 
 def list_ports(

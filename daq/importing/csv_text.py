@@ -12,7 +12,7 @@ from daq.importing import serial_text
 from daq.importing.column_numbers import counts_rows
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
-from daq.importing.errors import problem, require_lines, require_table
+from daq.importing.errors import LONGEST_LINE, problem, require_few, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number, rate_in
 from daq.importing.recipe import Dialect as WantedDialect, Recipe
 from daq.importing.table import SourceColumn, Table
@@ -34,7 +34,8 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the table in a text file. Raises ImportProblem with line and column when there is none."""
     wanted = recipe.dialect
     lines, said = decode(path, data, recipe.encoding)
-    require_lines(path, lines)
+    for number, line in enumerate(lines, start=1):
+        require_few(path, len(line), LONGEST_LINE, "characters", "write one sample per line", number)
     lines = _without_comments(path, lines, wanted)
     odd = None
     if recipe.format != "text" and wanted.delimiter is None:
