@@ -25,7 +25,7 @@ from daq.manifest import (
 from daq.plain_text import first_fault
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
-from daq.recording import Channel, Recording
+from daq.recording import Recording
 from daq.sensor_faults import sensor_faults
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
@@ -98,9 +98,13 @@ class Session(SessionReader):
         info = info or SessionInfo()
         content = read_regular(source, MAX_LOG) if source is not None else b""
         log = import_log(recording)
+        sensors = tuple(
+            SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
+            for c in recording.channels
+        )
         changes: dict[str, Any] = {
             "state": State.RECORDING,
-            "sensors": info.sensors or _calibrations(recording.channels),
+            "sensors": info.sensors or sensors,
             "source": info.source or (str(source).encode(errors="replace").decode() if source else ""),
             "source_file": stored_name(source.name) if source else "",
             "rate_hz": recording.rate,
@@ -245,13 +249,6 @@ class Session(SessionReader):
 
 def _to_bytes(info: SessionInfo) -> bytes:
     return info.model_dump_json(indent=1).encode() + b"\n"
-
-
-def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
-    return tuple(
-        SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
-        for c in channels
-    )
 
 
 def _judged(info: SessionInfo, assembly: Assembly, check_clock: bool, wire: Counts) -> dict[str, Any]:

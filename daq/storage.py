@@ -60,8 +60,7 @@ def require_empty(folder: Path) -> None:
 def require_space(folder: Path, spare: int) -> None:
     """StorageError when the disk under `folder` (there or not yet) has less than `spare` bytes free."""
     place = folder.absolute()
-    while not place.exists() and place != place.parent:
-        place = place.parent
+    place = next((one for one in (place, *place.parents) if one.exists()), place)
     try:
         free = shutil.disk_usage(place).free
     except OSError as error:
