@@ -164,7 +164,12 @@ class Session(SessionReader):
         }
         with self._writing():
             for name, checksum in (seen or {}).items():
-                self._expect(name, checksum)
+                there = self.read_result(name, MAX_LOG)
+                if (None if there is None else digest(there)) != checksum:
+                    raise SessionChanged(
+                        f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was"
+                        " written, look at it and do this step again"
+                    )
             make_inner(self.results)
             self._change(plain)
 
@@ -237,14 +242,6 @@ class Session(SessionReader):
             return
         for name, data in contents.items():
             write_whole(self.folder / name, data)
-
-    def _expect(self, name: str, checksum: str | None) -> None:
-        data = self.read_result(name, MAX_LOG)
-        if (None if data is None else digest(data)) != checksum:
-            raise SessionChanged(
-                f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was written,"
-                " look at it and do this step again"
-            )
 
 
 def _to_bytes(info: SessionInfo) -> bytes:

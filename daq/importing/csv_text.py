@@ -14,7 +14,7 @@ from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
 from daq.importing.errors import LONGEST_LINE, problem, require_few, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number, rate_in
-from daq.importing.recipe import Dialect as WantedDialect, Recipe
+from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_unit
 from daq.recording import Array
@@ -36,7 +36,10 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     lines, said = decode(path, data, recipe.encoding)
     for number, line in enumerate(lines, start=1):
         require_few(path, len(line), LONGEST_LINE, "characters", "write one sample per line", number)
-    lines = _without_comments(path, lines, wanted)
+    blank = set(wanted.comment_rows)
+    if max(blank, default=0) >= len(lines):
+        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(blank)}")
+    lines = ["" if number in blank else line for number, line in enumerate(lines, start=1)]
     odd = None
     if recipe.format != "text" and wanted.delimiter is None:
         odd = serial_text.table_of(path, lines, wanted.decimal_char)
@@ -73,14 +76,6 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
         path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes),
         format=format, encoding=recipe.encoding, stated=units_above(lines, dialect), dialect=wanted.model_copy(update=used),
     )  # fmt: skip
-
-
-def _without_comments(path: Path, lines: list[str], wanted: WantedDialect) -> list[str]:
-    """Return the lines, those blank that a recipe names as remarks."""
-    if max(wanted.comment_rows, default=0) >= len(lines):
-        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(wanted.comment_rows)}")
-    blank = set(wanted.comment_rows)
-    return ["" if number in blank else line for number, line in enumerate(lines, start=1)] if blank else lines
 
 
 def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
