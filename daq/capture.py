@@ -188,7 +188,16 @@ class _Capture:
             release = self._triggered(trigger, block)
             if release is not None:
                 return release
-        raise _no_release(_waited(settings.trigger_timeout_s, began), self._rig is not None)
+        waited = _waited(settings.trigger_timeout_s, began)
+        if self._rig is not None:
+            raise OperatorError(
+                f"the rig let go, and no swing came within {waited}; what was received is kept. See whether its magnet"
+                " grips, or give a smaller trigger level"
+            )
+        raise OperatorError(
+            f"no release within {waited}; what was received is kept. Release the mass after arming, or give a smaller"
+            " trigger level"
+        )
 
     def _triggered(self, trigger: Trigger, block: Block) -> int | None:
         found = trigger.feed(block.first, block.samples)
@@ -275,19 +284,6 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
-
-
-def _no_release(waited: str, by_rig: bool) -> OperatorError:
-    """Return the error of a release that was waited for in vain."""
-    if by_rig:
-        return OperatorError(
-            f"the rig let go, and no swing came within {waited}; what was received is kept. See whether its magnet grips,"
-            " or give a smaller trigger level"
-        )
-    return OperatorError(
-        f"no release within {waited}; what was received is kept. Release the mass after arming, or give a smaller"
-        " trigger level"
-    )
 
 
 def _small(value: float, unit: str) -> str:

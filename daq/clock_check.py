@@ -62,8 +62,8 @@ def _rate(assembly: Assembly, against_host: bool, said: list[Suspicion]) -> floa
     if not against_host:
         return max(own, HOST_SHARE)
     host = assembly.samples.host_clock()
-    unchecked = _unchecked(host, rate)
-    if host is None or unchecked:
+    if host is None or not isfinite(host.std) or host.std > UNCHECKED_SHARE * rate:
+        unchecked = "samples arrived " + ("fewer than 8 times" if host is None else "too unevenly")
         said.append(
             Suspicion(
                 False,
@@ -89,15 +89,6 @@ def _rate(assembly: Assembly, against_host: bool, said: list[Suspicion]) -> floa
         advice = "take it again, for longer or over a line that does not hold samples back"
         said.append(Suspicion(False, text, advice))
     return share
-
-
-def _unchecked(host: ClockFit | None, rate: float) -> str:
-    """Say why this computer's clock says nothing of the rate; "" where it does."""
-    if host is None:
-        return "samples arrived fewer than 8 times"
-    if not isfinite(host.std) or host.std > UNCHECKED_SHARE * rate:
-        return "samples arrived too unevenly"
-    return ""
 
 
 def _against(host: ClockFit, rate: float, stated_ppm: float | None) -> float:

@@ -24,8 +24,14 @@ def import_log(recording: Recording) -> RawLog:
         raise OperatorError(f"a rate of {recording.rate:g} Hz cannot be stored; up to {MAX_RATE:g} Hz can")
     if not recording.valid.any():
         raise OperatorError("the recording holds no valid sample; there is nothing to store")
+    try:
+        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
+        channels = encode(description_of(recording.channels, recording.rate), 1)
+    except ValueError as error:
+        n = len(recording.channels)
+        raise OperatorError(f"{n} channels cannot be stored together: {error}") from error
     log = RawLog()
-    log.append(Kind.RECEIVED, _introduction(recording))
+    log.append(Kind.RECEIVED, hello + channels)
     log.note(
         event="imported",
         gaps=[[gap.first, gap.count, gap.reason] for gap in recording.gaps],
@@ -37,15 +43,6 @@ def import_log(recording: Recording) -> RawLog:
         frames = (encode(one, sequence) for sequence, one in enumerate(messages[at : at + TOGETHER], at + 2))
         log.append(Kind.RECEIVED, b"".join(frames))
     return log
-
-
-def _introduction(recording: Recording) -> bytes:
-    try:
-        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
-        return hello + encode(description_of(recording.channels, recording.rate), 1)
-    except ValueError as error:
-        n = len(recording.channels)
-        raise OperatorError(f"{n} channels cannot be stored together: {error}") from error
 
 
 def _messages(recording: Recording) -> list[Message]:

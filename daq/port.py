@@ -76,8 +76,8 @@ def open_port(name: str, baud: int = BAUD) -> Port:
 
 
 def may_have_reset_the_board(port: Port) -> bool:
-    """Check whether opening the port may have made the board boot."""
-    return isinstance(port, SerialPort) and port.has_modem_lines
+    """Check whether opening the port may have made the board boot, as a real serial line does with Arduinos."""
+    return isinstance(port, SerialPort) and port.has_modem_lines()
 
 
 def _open(name: str, baud: int) -> Any:
@@ -146,14 +146,10 @@ class SerialPort:
         except GONE as error:
             raise self._gone(error) from error
 
-    @property
     def has_modem_lines(self) -> bool:
-        """Whether there is a real serial line behind it: opening one resets boards with the Arduino circuit."""
-        if "://" in self.name:
-            return False
+        """Check whether there is a real serial line behind it: a pseudo-terminal or a network has none to ask for."""
         with contextlib.suppress(*GONE):
-            self._device.dsr  # noqa: B018  a pseudo-terminal has no such line to ask for
-            return True
+            return "://" not in self.name and self._device.dsr is not None
         return False
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ A port must be named unless exactly one answers.
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,10 +46,8 @@ def probe(
         with Link(opener(description.name)) as link:
             hello = link.handshake(seconds)
             return Candidate(description, hello, link.assembly.channels, answers=True)
-    except BoardError as error:
-        return Candidate(description, problem=str(error), answers=True)
     except StationError as error:
-        return Candidate(description, problem=str(error))
+        return Candidate(description, problem=str(error), answers=isinstance(error, BoardError))
 
 
 def list_ports(
@@ -133,20 +132,11 @@ def _holders(device: str, proc: Path) -> tuple[tuple[str, int], ...]:
     found = []
     for process in sorted(proc.glob("[0-9]*")):
         pid = int(process.name)
-        if pid == os.getpid() or not _has_open(process, device):
-            continue
-        try:
-            found.append(((process / "comm").read_text(errors="replace").strip(), pid))
-        except OSError:
-            continue
+        with suppress(OSError):
+            opened = any(os.path.realpath(entry) == device for entry in (process / "fd").iterdir())
+            if opened and pid != os.getpid():
+                found.append(((process / "comm").read_text(errors="replace").strip(), pid))
     return tuple(found)
-
-
-def _has_open(process: Path, device: str) -> bool:
-    try:
-        return any(os.path.realpath(entry) == device for entry in (process / "fd").iterdir())
-    except OSError:
-        return False
 
 
 def _latency(device: str, tty: Path) -> int | None:

@@ -25,7 +25,7 @@ from daq.manifest import (
 from daq.plain_text import first_fault
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
-from daq.recording import Channel, Recording
+from daq.recording import Recording
 from daq.sensor_faults import sensor_faults
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
@@ -98,9 +98,13 @@ class Session(SessionReader):
         info = info or SessionInfo()
         content = read_regular(source, MAX_LOG) if source is not None else b""
         log = import_log(recording)
+        sensors = tuple(
+            SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
+            for c in recording.channels
+        )
         changes: dict[str, Any] = {
             "state": State.RECORDING,
-            "sensors": info.sensors or _calibrations(recording.channels),
+            "sensors": info.sensors or sensors,
             "source": info.source or (str(source).encode(errors="replace").decode() if source else ""),
             "source_file": stored_name(source.name) if source else "",
             "rate_hz": recording.rate,
@@ -160,7 +164,12 @@ class Session(SessionReader):
         }
         with self._writing():
             for name, checksum in (seen or {}).items():
-                self._expect(name, checksum)
+                there = self.read_result(name, MAX_LOG)
+                if (None if there is None else digest(there)) != checksum:
+                    raise SessionChanged(
+                        f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was"
+                        " written, look at it and do this step again"
+                    )
             make_inner(self.results)
             self._change(plain)
 
@@ -234,24 +243,9 @@ class Session(SessionReader):
         for name, data in contents.items():
             write_whole(self.folder / name, data)
 
-    def _expect(self, name: str, checksum: str | None) -> None:
-        data = self.read_result(name, MAX_LOG)
-        if (None if data is None else digest(data)) != checksum:
-            raise SessionChanged(
-                f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was written,"
-                " look at it and do this step again"
-            )
-
 
 def _to_bytes(info: SessionInfo) -> bytes:
     return info.model_dump_json(indent=1).encode() + b"\n"
-
-
-def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
-    return tuple(
-        SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
-        for c in channels
-    )
 
 
 def _judged(info: SessionInfo, assembly: Assembly, check_clock: bool, wire: Counts) -> dict[str, Any]:

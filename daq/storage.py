@@ -48,13 +48,7 @@ def make_folder(folder: Path) -> None:
 
 def discard(folder: Path) -> None:
     """Remove what a session that could not be made has left in its folder."""
-    with suppress(OSError):
-        for path in folder.iterdir():
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                with suppress(OSError):
-                    path.unlink()
+    shutil.rmtree(folder.resolve(), ignore_errors=True)
 
 
 def require_empty(folder: Path) -> None:
@@ -66,8 +60,7 @@ def require_empty(folder: Path) -> None:
 def require_space(folder: Path, spare: int) -> None:
     """StorageError when the disk under `folder` (there or not yet) has less than `spare` bytes free."""
     place = folder.absolute()
-    while not place.exists() and place != place.parent:
-        place = place.parent
+    place = next((one for one in (place, *place.parents) if one.exists()), place)
     try:
         free = shutil.disk_usage(place).free
     except OSError as error:

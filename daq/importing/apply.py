@@ -12,7 +12,7 @@ from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.runs import MOST_RUNS, of_each, part_of, pieces, rows_of
 from daq.importing.stamps import NoClock
 from daq.importing.table import SourceColumn, Table, listed
-from daq.importing.timebase import Timebase, find_gaps, from_rate, from_stamps, on_clock
+from daq.importing.timebase import Timebase, find_gaps, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
 from daq.recording import MOTIONS, Array, Channel, Recording
@@ -232,11 +232,8 @@ def _within(
             table.path, "holds nothing between these times",
             f"its times go from {np.nanmin(at):.6g} s to {np.nanmax(at):.6g} s",
         )  # fmt: skip
-    own = replace(
-        table,
-        lines=None if table.lines is None else table.lines[rows],
-        notes=(*table.notes, f"rows {rows[0] + 1} to {rows[-1] + 1} of the table"),
-    )
+    notes = (*table.notes, f"rows {rows[0] + 1} to {rows[-1] + 1} of the table")
+    own = replace(part_of(table, table.run, table.columns, rows), notes=notes)
     kept = {
         quantity: replace(reading, column=replace(reading.column, values=reading.column.values[rows]))
         for quantity, reading in readings.items()
@@ -284,17 +281,19 @@ def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe
 
 def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Timebase:
     """Return the clock: the recipe's rate, else the stamps, else the rate that the file names."""
-    rows, time = values.shape[1], readings.get("time")
+    time = readings.get("time")
+    if recipe.rate is None and time is not None:
+        time.in_si(table, "time")  # refuses what is no time at all
+        unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
+        return from_stamps(table, time.column, unit, values, resample=recipe.resample, even=recipe.even)
     if recipe.rate is not None:
-        said = "as given" if time is None else "in place of the time stamps"
-        return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, {said}")
-    if time is None:
-        if table.rate is None:
-            raise NoClock(table.path.name, NO_RATE, {})
-        return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
-    time.in_si(table, "time")  # refuses what is no time at all
-    unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
-    return from_stamps(table, time.column, unit, values, resample=recipe.resample, even=recipe.even)
+        rate, said = recipe.rate, "as given" if time is None else "in place of the time stamps"
+    elif table.rate is not None:
+        rate, said = table.rate, f"from {table.rate_source}"
+    else:
+        raise NoClock(table.path.name, NO_RATE, {})
+    every = np.arange(values.shape[1])
+    return Timebase(rate, None, every, every, len(every), notes=(f"rate {rate:.6g} Hz, {said}",))
 
 
 def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Timebase) -> list[str]:

@@ -12,9 +12,9 @@ from daq.importing import serial_text
 from daq.importing.column_numbers import counts_rows
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
-from daq.importing.errors import problem, require_lines, require_table
+from daq.importing.errors import LONGEST_LINE, problem, require_few, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number, rate_in
-from daq.importing.recipe import Dialect as WantedDialect, Recipe
+from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_unit
 from daq.recording import Array
@@ -34,8 +34,12 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the table in a text file. Raises ImportProblem with line and column when there is none."""
     wanted = recipe.dialect
     lines, said = decode(path, data, recipe.encoding)
-    require_lines(path, lines)
-    lines = _without_comments(path, lines, wanted)
+    for number, line in enumerate(lines, start=1):
+        require_few(path, len(line), LONGEST_LINE, "characters", "write one sample per line", number)
+    blank = set(wanted.comment_rows)
+    if max(blank, default=0) >= len(lines):
+        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(blank)}")
+    lines = ["" if number in blank else line for number, line in enumerate(lines, start=1)]
     odd = None
     if recipe.format != "text" and wanted.delimiter is None:
         odd = serial_text.table_of(path, lines, wanted.decimal_char)
@@ -72,14 +76,6 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
         path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes),
         format=format, encoding=recipe.encoding, stated=units_above(lines, dialect), dialect=wanted.model_copy(update=used),
     )  # fmt: skip
-
-
-def _without_comments(path: Path, lines: list[str], wanted: WantedDialect) -> list[str]:
-    """Return the lines, those blank that a recipe names as remarks."""
-    if max(wanted.comment_rows, default=0) >= len(lines):
-        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(wanted.comment_rows)}")
-    blank = set(wanted.comment_rows)
-    return ["" if number in blank else line for number, line in enumerate(lines, start=1)] if blank else lines
 
 
 def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:

@@ -152,7 +152,15 @@ def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Di
                 best = (score, Dialect(delimiter, decimal, picked[start], width))
         if best is not None:
             return best[1]
-    raise _no_rows(path, lines, picked)
+    if not picked:
+        raise problem(path, "holds no rows", "record again or name another file")
+    text = " ".join(lines[picked[-1]].split())[:40]
+    raise problem(
+        path,
+        f"no rows of numbers were found; '{text}' is none",
+        "export the recording as a table of numbers with one header row, or give the delimiter and the decimal sign",
+        line=picked[-1] + 1,
+    )
 
 
 def _start(widths: Sequence[int]) -> int | None:
@@ -162,15 +170,3 @@ def _start(widths: Sequence[int]) -> int | None:
         if width and all(run) and len(set(run)) <= 2 and (len(run) == _RUN or i + len(run) == len(widths)):
             return i
     return None
-
-
-def _no_rows(path: Path, lines: Sequence[str], picked: Sequence[int]) -> Exception:
-    if not picked:
-        return problem(path, "holds no rows", "record again or name another file")
-    text = " ".join(lines[picked[-1]].split())[:40]
-    return problem(
-        path,
-        f"no rows of numbers were found; '{text}' is none",
-        "export the recording as a table of numbers with one header row, or give the delimiter and the decimal sign",
-        line=picked[-1] + 1,
-    )

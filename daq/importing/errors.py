@@ -62,9 +62,3 @@ def require_table(path: Path, rows: int, width: int) -> None:
     """Raise ImportProblem for a table of too many columns or numbers."""
     require_few(path, width, MAX_COLUMNS, "columns", "write one sample per line, one channel per column")
     require_few(path, rows * width, MAX_NUMBERS, "numbers")
-
-
-def require_lines(path: Path, lines: list[str]) -> None:
-    """Raise ImportProblem for a line of a text table that is too long to be a row."""
-    for number, line in enumerate(lines, start=1):
-        require_few(path, len(line), LONGEST_LINE, "characters", "write one sample per line", number)

@@ -103,7 +103,11 @@ def in_order(
         elif even:
             time = time + np.append(0.0, np.cumsum(np.where(steps < 0.0, typical - steps, 0.0)))
         else:
-            raise _set_back(table, column, rows, int(back[0]) + 1)
+            at = int(back[0]) + 1
+            was, now = (f"{column.values[rows[k]]:.15g}" for k in (at - 1, at))
+            where = place(table.path, table.line(int(rows[at])), column.number)
+            what = f"the clock is set back from {was} to {now}, and the rows go on"
+            raise NoClock(where, f"{what}; {USE_RATE}", {"even": True})
     same = np.flatnonzero(np.diff(time) == 0.0) + 1
     if not len(same):
         return time, rows
@@ -151,14 +155,6 @@ def even_line(index: Index, time: Array, weight: Array | None = None) -> tuple[f
     stray = float(np.sqrt(np.mean(weight * (t - slope * k) ** 2)))
     start = float(middle - slope * centre)
     return slope, start, stray, stray / math.sqrt(spread) / slope**2
-
-
-def _set_back(table: Table, column: SourceColumn, rows: Index, at: int) -> NoClock:
-    """Return the refusal of a clock that was set back between rows that go on."""
-    before, after = (f"{column.values[rows[k]]:.15g}" for k in (at - 1, at))
-    what = f"the clock is set back from {before} to {after}, and the rows go on"
-    where = place(table.path, table.line(int(rows[at])), column.number)
-    return NoClock(where, f"{what}; {USE_RATE}", {"even": True})
 
 
 def _begins_again(table: Table, column: SourceColumn, time: Array, rows: Index) -> ImportProblem:

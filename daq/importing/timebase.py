@@ -46,12 +46,6 @@ class Timebase:
     notes: tuple[str, ...] = ()
 
 
-def from_rate(rate: float, rows: int, note: str) -> Timebase:
-    """Return the clock of a table without time stamps."""
-    every = np.arange(rows)
-    return Timebase(rate, None, every, every, rows, notes=(note,))
-
-
 def from_stamps(
     table: Table,
     column: SourceColumn,

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from daq.errors import OperatorError
 from daq.importing.columns import INDEX, meaning, words
-from daq.importing.options import QUANTITIES, ask
+from daq.importing.options import NONE, QUANTITIES, ask
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import first_fault
 from daq.recording import Array, Channel
@@ -19,7 +19,6 @@ from daq.storage import write_whole
 COUNTER = "counter"
 UNUSED = "unused"
 BIGGEST_PROFILE = 1 << 20
-NONE = "none"
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 ALIKE = 0.25
 """Relative difference between a column's steps and the arrivals up to which it may be a time in that unit."""

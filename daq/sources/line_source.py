@@ -205,8 +205,10 @@ class LineSource:
     def _nothing(self, count: int, odd: str) -> Exception:
         name = self._port.name
         if odd:
+            plain = "".join(c for c in odd[:40] if c.isprintable() and c != "\ufffd")
+            said = f", as '{plain}'" if len(plain) > 0.8 * len(odd[:40]) else ", nor text"
             return BoardError(
-                f"{name}: the input has no lines of numbers{_as(odd)}; check the baud rate (--baud), or what the "
+                f"{name}: the input has no lines of numbers{said}; check the baud rate (--baud), or what the "
                 "board prints"
             )
         if count:
@@ -244,12 +246,6 @@ class LineSource:
             f"the rate is that at which lines arrive here, {self._rate:.5g} ± {self._rate_std:.2g} Hz "
             f"({100 * self._rate_std / self._rate:.2g} %); --rate gives a better one"
         )
-
-
-def _as(text: str) -> str:
-    """Return the beginning of a line for a sentence; nothing where it is no text."""
-    plain = "".join(c for c in text[:40] if c.isprintable() and c != "\ufffd")
-    return f", as '{plain}'" if len(plain) > 0.8 * len(text[:40]) else ", nor text"
 
 
 def _rate_of(times: Array) -> tuple[float, float]:

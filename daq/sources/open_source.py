@@ -27,8 +27,6 @@ class GrowingFile:
         self.name = str(path)
         try:
             self._file = path.open("rb", buffering=0)
-        except FileNotFoundError as error:
-            raise PortError(f"{path}: there is no such file") from error
         except OSError as error:
             raise PortError(f"{path}: cannot be read ({error.strerror or error})") from error
         self._file.seek(0, os.SEEK_END)

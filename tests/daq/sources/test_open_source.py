@@ -82,7 +82,7 @@ def test_what_is_added_to_a_file_is_read_and_what_was_there_is_not(tmp_path):
     with pytest.raises(LinkLost, match="cut off"):
         port.read()
     port.close()
-    with pytest.raises(PortError, match="there is no such file"):
+    with pytest.raises(PortError, match="cannot be read"):
         GrowingFile(tmp_path / "none.txt")
 
 
