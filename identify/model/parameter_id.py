@@ -1,15 +1,11 @@
 """The identity of a parameter: whose it is, in which release, and what for."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, Self
 
 Role = Literal["parameter", "state", "nuisance"]
 """A parameter of an effect, an internal state of one at the start of a release, or what a release needs besides."""
-
-_TEXT = re.compile(r"(?:(?P<effect>\w+)\.)?(?P<parameter>\w+)(?:\[(?P<release>\d+)\])?")
-_STATE = re.compile(r"state\d")
 
 
 @dataclass(frozen=True)
@@ -32,18 +28,6 @@ class ParameterId:
     def in_effect(self) -> str:
         """The name without the effect's."""
         return self.parameter if self.release is None else f"{self.parameter}[{self.release}]"
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Return the parameter of a name in a document; ValueError when it is not a name of this form."""
-        found = _TEXT.fullmatch(text)
-        if found is None:
-            raise ValueError(
-                f"'{text[:60]}' is not the name of a parameter, such as linear_stiffness.k or lag[1]"
-            )
-        effect, parameter, release = found["effect"] or "", found["parameter"], found["release"]
-        role: Role = "nuisance" if not effect else "state" if _STATE.fullmatch(parameter) else "parameter"
-        return cls(effect, parameter, None if release is None else int(release), role)
 
     def of_release(self, release: int, count: int) -> Self:
         """Return the same of one of `count` releases, which has a number only among several."""

@@ -41,7 +41,7 @@ def fitted(model: Model = MODEL, values: dict[str, Estimate] = VALUES) -> Fit:
     """Return a fit that holds nothing but a model and its values."""
     nothing = np.zeros(0)
     unknowns = tuple(
-        Unknown(ParameterId.parse(name), value.unit, -np.inf, np.inf, 0.0, -1, True)
+        Unknown(ParameterId(*name.split(".")), value.unit, -np.inf, np.inf, 0.0, -1, True)
         for name, value in values.items()
     )
     return Fit(model, (), unknowns, nothing, nothing, values, 0.0, 1, (), True, (), 25.0)
