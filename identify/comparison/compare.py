@@ -100,23 +100,14 @@ class Comparison(Summarised):
         return Summary(title, (self.cause, *places), ("error", "value", "at the floor"), rows)
 
 
-def compare(
-    decay: FreeDecay | PreparedDecay,
-    model: Model | None = None,
-    *,
-    known: dict[str, float] | None = None,
-    mass: float | None = None,
-) -> Comparison:
+def compare(decay: FreeDecay | PreparedDecay, model: Model | None = None) -> Comparison:
     """Fit a model (stiffness, Coulomb and viscous friction unless given) to one release, and compare the two.
 
-    `known` are values to begin the fit from, by unknown's name; forces are given in N where the release states its
-    mass, or a `mass` is given (kg, or kg m^2 for angles). Raises NotIdentifiable when the release holds too little to fit
-    anything.
+    Forces are given in N where the release states its mass. Raises NotIdentifiable when the release holds too little to
+    fit anything.
     """
     prepared = prepare(decay) if isinstance(decay, FreeDecay) else decay
-    if mass is not None:
-        prepared = replace(prepared, mass=mass)
-    return compare_fitted(fit_baseline((prepared,), model or base_model(), known))
+    return compare_fitted(fit_baseline((prepared,), model or base_model()))
 
 
 def compare_fitted(baseline: Baseline) -> Comparison:

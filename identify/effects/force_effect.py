@@ -169,13 +169,9 @@ class ForceEffect(Effect):
         """Return the force without dry friction, m/s^2, shape (n,)."""
         return _values_along(self.force, p, time, u, v, states)
 
-    def friction_level_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
-        """Return the level of dry friction, m/s^2, shape (n,)."""
-        return _values_along(self.friction, p, time, u, v, states)
-
     def force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force, m/s^2, along a motion and its internal states, shape (n,)."""
-        level = self.friction_level_along(p, time, u, v, states)
+        level = _values_along(self.friction, p, time, u, v, states)
         return self.smooth_force_along(p, time, u, v, states) + level * np.sign(v)
 
 

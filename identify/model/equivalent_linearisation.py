@@ -82,8 +82,7 @@ def _around(
     start, size = effect.states_at_rest(amplitude, p), effect.state_sizes(amplitude, frequency)
     states, settled = effect.periodic_states(p, clock, u, v, start, size)
     clock, u, v = (values[:-1] for values in (clock, u, v))
-    level = effect.friction_level_along(p, clock, u, v, states[:-1])
-    return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), u, v, settled
+    return effect.force_along(p, clock, u, v, states[:-1]), u, v, settled
 
 
 def _second_order(

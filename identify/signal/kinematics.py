@@ -126,7 +126,8 @@ def agree(pair: Pair, lag: float, gain: float, corner: float | None = None) -> A
     smooth_low = pair.low if corner is None else agree(pair, lag, gain).low
     for _ in range(_STEPS):
         whole, fraction = split_shift(lag * pair.rate)
-        h = difference(pair, whole, lagrange_taps(fraction) if fraction else np.ones(1))
+        interpolated = fraction or corner is not None  # the slope reads as many samples
+        h = difference(pair, whole, lagrange_taps(fraction) if interpolated else np.ones(1))
         average = AVERAGES[pair.order]
         rows = _rows(n, h, average)
         slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
