@@ -70,16 +70,16 @@ def test_of_two_releases_both_are_searched():
 
 @pytest.mark.slow
 def test_two_effects_in_four_releases_are_named():
-    found = diagnosed(*several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    found = diagnosed(*several("cubic_stiffness+quadratic_damping", PAIR, seconds=3.0))
     assert set(found.named) == set(PAIR)
     assert len(found.final.windows) == len(AMPLITUDES)
 
 
 @pytest.mark.slow
 def test_what_two_releases_show_and_all_do_not_is_not_named():
-    decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=3.0))
     other = {"cubic_stiffness": {"k3": -9000.0}, "quadratic_damping": {"c2": 3.0}}
-    decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=5.0)[0]
+    decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=3.0)[0]
     found = diagnosed(*decays)
     assert found.verdict == "unknown_effect"
     assert np.isfinite(found.final.chi_square)
