@@ -160,5 +160,6 @@ def test_noise_whose_colour_is_hardly_known_is_no_force():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_a_suspect_whose_motion_diverges_is_weighed_without_a_warning():
-    """The motion of one of its suspects diverges with the steps at which the walk's responses are simulated."""
-    assert diagnose((release("one_sided_friction", 0.01, 61019)[0],)).verdict == "unknown_effect"
+    """The motion of the Maxwell element diverges with the steps at which the walk's responses are simulated."""
+    found = diagnosed(release("one_sided_friction", 0.01, 61019)[0], also="maxwell_element")
+    assert found.verdict == "unknown_effect"
