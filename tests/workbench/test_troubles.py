@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from tests.workbench.stalling import stalling_board
+from mocks.in_process import running
 
 pytestmark = pytest.mark.slow  # each walks through a browser
 
@@ -109,7 +109,7 @@ def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, ben
 def test_a_board_that_falls_silent_is_reported_and_what_came_is_kept(visit, bench):
     page = visit.page
     page.goto(bench.address)
-    with stalling_board(at_s=1.5) as port:
+    with running("--tcp", "0", "--fault", "stall:30@1.5") as port:
         field = page.get_by_label("Port of the board")
         field.fill(port)
         field.press("Enter")
