@@ -141,8 +141,19 @@ def captured(folder: Path, pieces: list[bytes], spare: bool) -> Session:
     return writer.finish(State.SEALED, "", {})
 
 
-@pytest.mark.parametrize("spare", [False, True])
-@pytest.mark.parametrize("fault", OF_THE_DISK)
+@pytest.mark.parametrize(
+    ("fault", "spare"),
+    [
+        ("EIO", False),
+        ("EIO", True),
+        pytest.param("full", False, marks=pytest.mark.slow),
+        pytest.param("full", True, marks=pytest.mark.slow),
+        pytest.param(
+            "memory", False, marks=pytest.mark.slow
+        ),  # no fault of the disk: the spare place is not asked for
+        pytest.param("killed", False, marks=pytest.mark.slow),
+    ],
+)
 def test_a_capture_keeps_all_that_was_written_before_the_fault(
     fault: str, spare: bool, tmp_path: Path, recording: Recording
 ) -> None:

@@ -88,7 +88,6 @@ def test_the_mystery_is_told_as_a_story_and_the_answer_comes_last(told):
     assert all(len(line) <= 80 for line in told.text.splitlines() if "sessions/" not in line)
 
 
-@pytest.mark.slow
 def test_the_samples_of_a_mystery_are_those_of_its_seed_at_any_speed(told, tmp_path):
     settings = CaptureSettings(check_clock=False, info=SessionInfo(mass_kg=mystery.MASS_KG))
     with simulated_board(7, 20.0, module=mystery.BOARD) as port:

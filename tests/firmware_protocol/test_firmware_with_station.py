@@ -2,12 +2,13 @@
 
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from c_compiler import C_FOLDER, STRICT, build
+
+from station.cli import run
 
 SOURCES = [C_FOLDER / name for name in ("main.c", "board.c", "hardware_host.c")]
 STIFFNESS, DRY, VISCOUS, LAG = 13115.0, 0.13, 0.277, 0.0013
@@ -26,22 +27,15 @@ def port(tmp_path: Path) -> Iterator[str]:
 
 
 @pytest.mark.slow
-def test_the_station_finds_the_physics_of_an_independent_board(port: str, tmp_path: Path) -> None:
-    command = [
-        sys.executable,
-        "-m",
-        "station",
-        "capture",
-        "--port",
-        port,
-        "--session",
-        str(tmp_path / "release"),
-    ]
-    done = subprocess.run(
-        [*command, "--mass", "21.36", "--no-viewer", "--json"], capture_output=True, text=True, timeout=90
-    )
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
+@pytest.mark.usefixtures("unrendered")
+def test_the_station_finds_the_physics_of_an_independent_board(
+    port: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["capture", "--port", port, "--session", str(tmp_path / "release")]
+    code = run([*command, "--mass", "21.36", "--no-viewer", "--json"])
+    said = capsys.readouterr()
+    assert code == 0, said.err
+    result = json.loads(said.out)
     assert result["verdict"]["word"] == "OK", result["verdict"]
     found = result["identification"]
     assert found["record"]["lost_samples"] == 0

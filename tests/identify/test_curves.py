@@ -217,10 +217,9 @@ def test_what_is_predicted_of_a_part_was_not_fitted_to_it():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["quadratic_damping", "end_stop"])
-def test_a_guessed_floor_that_is_reached_keeps_its_name(name):
-    found = diagnosed(displacement_only(name, 0.03, 31, amplitude=0.02, mu_0=0.02))
-    assert found.named == (name,)
+def test_a_guessed_floor_that_is_reached_keeps_its_name():
+    found = diagnosed(displacement_only("end_stop", 0.03, 31, amplitude=0.02, mu_0=0.02))
+    assert found.named == ("end_stop",)
 
 
 def test_a_record_that_grows_up_to_its_last_cycles_has_no_curve():

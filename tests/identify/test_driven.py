@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from specimens import diagnosed
 
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.diagnose import diagnose
@@ -59,7 +60,7 @@ def test_a_driven_duffing_oscillator_asks_for_its_cubic_spring_and_for_no_fricti
     motion = solve_ivp(
         rates, (0.0, time[-1]), [0.01, 0.0], "DOP853", t_eval=time, rtol=1e-9, atol=1e-11, max_step=0.02
     ).y[0]
-    found = diagnose((recorded(motion, lines.force(time)),))
+    found = diagnosed(recorded(motion, lines.force(time)))
     assert found.named == ("cubic_stiffness",)
     estimate = found.final.values["cubic_stiffness.k3"]
     assert abs(estimate.value - cubic) < 4.0 * estimate.std

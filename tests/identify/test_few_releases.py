@@ -5,6 +5,7 @@ import pytest
 from releases import drawn
 from specimens import diagnosed
 
+from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
@@ -18,6 +19,7 @@ from mocks.generate import draw
 RIG = {"stiffness": 614.0, "mu_0": 0.13, "mu_1": 0.28, "rate": 256.0}
 SPRING = {"cubic_stiffness": {"k3": 9000.0}}
 PAIR = SPRING | {"quadratic_damping": {"c2": 0.8}}
+RIVALS = tuple(map(find_effect, (*PAIR, "quintic_stiffness", "cubic_damping", "freeplay", "hysteresis")))
 AMPLITUDES = (0.012, 0.024, 0.006, 0.018)
 
 
@@ -70,16 +72,16 @@ def test_of_two_releases_both_are_searched():
 
 @pytest.mark.slow
 def test_two_effects_in_four_releases_are_named():
-    found = diagnosed(*several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    found = diagnose(several("cubic_stiffness+quadratic_damping", PAIR, seconds=3.0), library=RIVALS)
     assert set(found.named) == set(PAIR)
     assert len(found.final.windows) == len(AMPLITUDES)
 
 
 @pytest.mark.slow
 def test_what_two_releases_show_and_all_do_not_is_not_named():
-    decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=3.0))
     other = {"cubic_stiffness": {"k3": -9000.0}, "quadratic_damping": {"c2": 3.0}}
-    decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=5.0)[0]
-    found = diagnosed(*decays)
+    decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=3.0)[0]
+    found = diagnose(decays, library=RIVALS)
     assert found.verdict == "unknown_effect"
     assert np.isfinite(found.final.chi_square)

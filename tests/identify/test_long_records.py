@@ -5,8 +5,9 @@ import tracemalloc
 import numpy as np
 import pytest
 from decays_in_closed_form import exponential
-from specimens import diagnosed
 
+from identify.diagnosis.diagnose import diagnose
+from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.segments import drifts, segments, what_was_used
 from identify.free_decay import FreeDecay
@@ -110,7 +111,11 @@ def test_the_slow_part_bridges_a_gap():
 @pytest.mark.slow
 def test_a_stop_that_no_curve_shows_is_found_by_free_run_in_a_long_record_of_one_channel():
     sample = draw("end_stop", 0.5, 1, seconds=24.0, mu_0=0.02, mu_1=0.1)
-    found = diagnosed(FreeDecay(sample.rate, displacement=sample.displacement))
+    rivals = ("end_stop", "cubic_stiffness", "freeplay", "quadratic_damping", "hysteresis")
+    found = diagnose(
+        FreeDecay(sample.rate, displacement=sample.displacement),
+        library=tuple(find_effect(name) for name in rivals),
+    )
     assert len(found.baseline.fit.windows) > 1
     assert found.confirmation is not None
     assert not found.confirmation.effects

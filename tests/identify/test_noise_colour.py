@@ -3,8 +3,8 @@ from functools import cache
 import numpy as np
 import pytest
 from releases import drawn, ready
+from specimens import diagnosed
 
-from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.noise_colour import noise_colours
@@ -156,8 +156,8 @@ def test_what_a_model_lacks_is_not_taken_for_noise():
 
 @pytest.mark.slow
 def test_nothing_is_named_under_coloured_noise():
-    found = [diagnose((drawn(None, 0.0, seed, imperfections=(ONE_OVER_F,))[0],)) for seed in range(350, 353)]
-    assert sum(bool(one.named) for one in found) <= 1  # of 3 at 2 %: 2 or more in 1 of 800 runs
+    # The bench counts false names under each noise; here is one record.
+    assert diagnosed(drawn(None, 0.0, 350, imperfections=(ONE_OVER_F,))[0]).named == ()
 
 
 def test_errors_under_a_random_walk_are_wider_than_under_white_noise():

@@ -1,7 +1,7 @@
 import pytest
 from releases import drawn
+from specimens import diagnosed
 
-from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import LIBRARY
 from identify.fitting.initial_values import scales_of
 from identify.judging.search import promising_sets
@@ -27,7 +27,7 @@ def test_where_two_effects_are_hidden_no_third_has_anything_to_explain():
 
 @pytest.mark.slow
 def test_three_effects_at_once_are_named_and_nothing_else():
-    found = diagnose((drawn(THREE, 0.02, 71, amplitude=0.02)[0],))
+    found = diagnosed(drawn(THREE, 0.02, 71, amplitude=0.02)[0])
     assert set(found.named) == set(THREE.split("+"))
 
 
@@ -35,4 +35,4 @@ def test_three_effects_at_once_are_named_and_nothing_else():
 def test_a_line_among_three_begins_in_the_right_half_of_its_cycle():
     """Its amplitude is not negative: begun half a cycle off it is none, and a fit finds no way back."""
     three = "end_stop+cubic_damping+harmonic_forcing"
-    assert set(diagnose((drawn(three, 0.02, 60702)[0],)).named) == set(three.split("+"))
+    assert set(diagnosed(drawn(three, 0.02, 60702)[0], also="cubic_damping").named) == set(three.split("+"))

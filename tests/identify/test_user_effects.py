@@ -337,7 +337,6 @@ def test_a_memory_that_keeps_what_it_was_is_told_from_one_that_forgets():
             "own = -q*((u - at)/w)*exp(-((u - at)/w)**2); at: m; w: m >= 0.0003",
             marks=pytest.mark.slow,
         ),
-        pytest.param("one_sided_friction", 0.01, "own = dmu*(1 + sgn(u))/2*sgn(v)", marks=pytest.mark.slow),
     ],
 )
 def test_what_no_library_has_is_named_by_the_users_own_effect_and_reaches_the_floor(hidden, strength, text):

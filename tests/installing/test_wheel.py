@@ -14,6 +14,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 LEFT_BEHIND = (".*", "tests", "bench", "docs", "build", "site", "sessions", "*.egg-info", "__pycache__")
 
+PACKAGES = ("firmware_protocol", "daq", "identify", "station", "mocks")
+
 pytestmark = pytest.mark.slow
 
 
@@ -45,41 +47,53 @@ def installed(tmp_path_factory):
     programs = Path(sysconfig.get_path("scripts", vars=inside))
     wheel = next(folder.glob("*.whl"))
     pip = (sys.executable, "-m", "pip", "--python", programs / "python")
-    done(*pip, "install", "--quiet", "--no-index", "--no-deps", wheel, cwd=folder)
+    done(*pip, "install", "--quiet", "--no-index", "--no-deps", "--no-compile", wheel, cwd=folder)
+    for name in PACKAGES:
+        bring_what_numba_compiled(ROOT / name, packages / name)
     return programs
 
 
+def bring_what_numba_compiled(source, installed):
+    """Compiling the same functions again takes half a minute; numba asks for the time and the size of a source only."""
+    for module in source.rglob("*.py"):
+        place, seen = installed / module.relative_to(source), module.stat()
+        if place.exists():
+            os.utime(place, ns=(seen.st_atime_ns, seen.st_mtime_ns))
+    for compiled in source.rglob("__pycache__/*.nb?"):
+        place = installed / compiled.relative_to(source)
+        place.parent.mkdir(exist_ok=True)
+        shutil.copyfile(compiled, place)
+
+
 def test_the_demo_runs_outside_the_clone_with_the_board_that_is_installed(installed, tmp_path):
-    where = "import station, mocks; print(station.__file__, mocks.__file__)"
-    assert str(ROOT) not in done(installed / "python", "-c", where, cwd=tmp_path)
     folder = tmp_path / "demo"
     demo = ("demo", "--speed", "0", "--no-viewer", "--session", folder)
     assert "13149" in done(installed / "station", *demo, cwd=tmp_path)  # N/m, as the board was made with
     assert (folder / "results" / "identification.json").is_file()
-    page = tmp_path / "report.html"
-    done(installed / "station", "report", folder, "--output", page, cwd=tmp_path)
-    assert "<html" in page.read_text(encoding="utf-8")
 
 
-def firmware(package):
-    """The files of the boards' side, in C, by their places in the package."""
+WHERE = """
+import importlib, json
+from station.operations.examples import examples_folder
+packages = {name: importlib.import_module(name).__path__[0] for name in PACKAGES}
+print(json.dumps(packages | {"examples": str(examples_folder())}))
+"""
+
+
+def files(folder):
+    """The files below a folder, by their places in it, but what Python and numba compiled."""
     return {
-        p.relative_to(package).as_posix()
-        for p in package.rglob("*")
-        if p.suffix in (".c", ".h", ".ino", ".ld")
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and not path.name.startswith(".")
     }
 
 
-def test_the_examples_and_the_firmware_come_with_it(installed, tmp_path):
-    told = json.loads(done(installed / "station", "demo", "--example", "ship_roll", "--json", cwd=tmp_path))
-    assert Path(told["session"]).name == "ship_roll"
-    where = done(installed / "python", "-c", "import firmware_protocol as f; print(f.__file__)", cwd=tmp_path)
-    source, found = (firmware(Path(package)) for package in (ROOT / "firmware_protocol", Path(where).parent))
-    assert found == source
-
-
-def test_the_page_in_the_browser_has_its_files(installed, tmp_path):
-    folder = "import station.workbench as w, pathlib as p; print(p.Path(w.__file__).parent / 'static')"
-    static = Path(done(installed / "python", "-c", folder, cwd=tmp_path).strip())
-    source = ROOT / "station" / "workbench" / "static"
-    assert {path.name for path in static.iterdir()} == {path.name for path in source.iterdir()}
+def test_every_module_and_file_of_the_packages_and_the_examples_come_with_it(installed, tmp_path):
+    """The C side, the page in the browser and the report's are files beside the modules that read them."""
+    code = WHERE.replace("PACKAGES", repr(PACKAGES))
+    places = json.loads(done(installed / "python", "-c", code, cwd=tmp_path))
+    assert not [place for place in places.values() if place.startswith(str(ROOT))]
+    for name in PACKAGES:
+        assert files(Path(places[name])) == files(ROOT / name)
+    assert files(ROOT / "examples") - {"make.py"} == files(Path(places["examples"]))

@@ -76,9 +76,9 @@ def slowly(work):
 
 
 def deadly(work):
-    """Kill the worker that gets the session called "deadly"; fail at the one called "faulty"."""
+    """Kill the worker that gets the session called "deadly"; fail at the one called "faulty", else take a moment."""
     if work.folder.name == "deadly":
         os.kill(os.getpid(), signal.SIGKILL)
     if work.folder.name == "faulty":
         raise ZeroDivisionError("division by zero")
-    return _result(work)
+    return slowly(work)

@@ -28,25 +28,19 @@ def test_without_workers_this_process_does_the_work():
 
 
 @pytest.mark.slow
-def test_a_process_that_is_killed_loses_nothing(monkeypatch):
+def test_a_process_that_is_killed_loses_nothing_and_the_session_that_kills_it_costs_no_other(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
-    works = [work_called(name) for name in names(12)]
+    works = [work_called(name) for name in (*names(8), "deadly", "faulty")]
     found = []
-    for _, answer in performed(works, 2, slowly):
-        found.append(answer)
+    for work, answer in performed(works, 2, deadly):
+        found.append((work.folder.name, answer))
         if len(found) == 3:
             multiprocessing.active_children()[0].kill()
-    assert Counter(answer.session for answer in found) == Counter(names(12))
-
-
-@pytest.mark.slow
-def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([HERE, *sys.path]))
-    works = [work_called(name) for name in (*names(3), "deadly", "faulty", *names(6)[3:])]
-    found = {work.folder.name: answer for work, answer in performed(works, 2, deadly)}
-    assert found.pop("deadly") == KILLED
-    assert "ZeroDivisionError: division by zero" in found.pop("faulty")
-    assert {name: answer.session for name, answer in found.items()} == {name: name for name in names(6)}
+    assert Counter(name for name, _ in found) == Counter([*names(8), "deadly", "faulty"])
+    told = dict(found)
+    assert told.pop("deadly") == KILLED
+    assert "ZeroDivisionError: division by zero" in told.pop("faulty")
+    assert {name: answer.session for name, answer in told.items()} == {name: name for name in names(8)}
 
 
 ORPHANS = """

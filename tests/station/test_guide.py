@@ -126,6 +126,7 @@ def test_a_decay_that_is_cut_off_gets_no_answer_while_it_still_runs(limit, answe
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unrendered")
 def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run(["demo", "--guided", "5", "--json"]) == 0

@@ -66,6 +66,7 @@ class Printer(threading.Thread):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unrendered")
 def test_a_board_that_prints_is_profiled_captured_and_identified(capsys):
     told = ["--column", "displacement=2", "--unit", "displacement=um"]
     told += ["--column", "acceleration=3", "--unit", "acceleration=m/s^2"]

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,7 +16,8 @@ import pytest
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.operations.simulated_board import simulated_board
+from mocks import mystery
+from mocks.in_process import running
 
 ROOT = Path(__file__).parents[2]
 
@@ -35,11 +37,11 @@ class Bench:
     folder: Path
     mysteries: Callable[[], Path]
 
-    def fresh(self, mystery: str, called: str) -> str:
+    def fresh(self, hidden: str, called: str) -> str:
         """Put a copy of a mystery into the folder of sessions, untouched by other tests; return its address."""
         place = self.folder / "sessions" / called
         shutil.rmtree(place, ignore_errors=True)  # of a test that is begun anew
-        shutil.copytree(self.mysteries() / mystery, place)
+        shutil.copytree(self.mysteries() / hidden, place)
         return self.session(called)
 
     def session(self, name: str) -> str:
@@ -47,6 +49,13 @@ class Bench:
 
     def results(self, name: str) -> Path:
         return self.folder / "sessions" / name / "results"
+
+
+def mystery_board(seed: int, envelope: Path) -> AbstractContextManager[str]:
+    """Serve what `python -m mocks.mystery` serves under this seed, from a thread; the truth goes into the envelope."""
+    return running(
+        "--tcp", "0", "--seed", str(seed), "--speed", "0", "--truth", str(envelope), "--hide", mystery.draw(seed)
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="session")
@@ -59,9 +68,8 @@ def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
         with TemporaryDirectory() as aside:
             for name, hidden in HIDDEN.items():
                 envelope = Path(aside) / f"{name}.json"
-                seed = int(name.rpartition("_")[2])
                 info = SessionInfo(name=name, mass_kg=21.36, specimen=name.replace("_", " "))
-                with simulated_board(seed, 0.0, "--truth", str(envelope), module="mocks.mystery") as port:
+                with mystery_board(int(name.rpartition("_")[2]), envelope) as port:
                     capture(port, CaptureSettings(check_clock=False, info=info), made / name)
                 assert f'"hidden": "{hidden}"' in envelope.read_text()
         return made

@@ -10,7 +10,7 @@ import pytest
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.operations.simulated_board import simulated_board
+from tests.workbench.conftest import mystery_board
 
 pytestmark = pytest.mark.slow
 NAMES = ("pair_one", "pair_two")
@@ -23,11 +23,11 @@ def pair(bench):
     """Record two releases of one bench; return what it hides, as its envelope says."""
     with TemporaryDirectory() as aside:
         envelope = Path(aside) / "truth.json"
-        with simulated_board(SEED, 0.0, "--truth", str(envelope), module="mocks.mystery") as port:
+        with mystery_board(SEED, envelope) as port:
             for name in NAMES:
                 shutil.rmtree(bench.folder / "sessions" / name, ignore_errors=True)
                 info = SessionInfo(name=name, mass_kg=21.36)
-                wanted = CaptureSettings(check_clock=False, info=info)
+                wanted = CaptureSettings(duration_s=4.0, check_clock=False, info=info)
                 capture(port, wanted, bench.folder / "sessions" / name)
         return json.loads(envelope.read_text())
 

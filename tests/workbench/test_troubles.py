@@ -6,12 +6,16 @@ import shutil
 
 import pytest
 
-from tests.workbench.stalling import stalling_board
+from mocks.in_process import running
 
 pytestmark = pytest.mark.slow  # each walks through a browser
 
 
-def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
+def test_a_file_that_is_no_recording_is_refused_in_words_and_the_next_becomes_a_session_within_the_folder(
+    visit, bench
+):
+    import numpy as np
+
     page = visit.page
     page.goto(bench.address)
     before = sorted(path.name for path in (bench.folder / "sessions").iterdir())
@@ -23,18 +27,11 @@ def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
     assert "/tmp" not in told
     assert "fault of this program" not in told
     assert sorted(path.name for path in (bench.folder / "sessions").iterdir()) == before
-
-
-def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, bench):
-    import numpy as np
-
     time_s = np.arange(1200) / 200.0
     u = 0.02 * np.exp(-0.2 * time_s) * np.cos(25.0 * time_s) + 5e-6 * np.random.default_rng(1).normal(
         size=1200
     )
     lines = ["time_s,displacement_m", *(f"{t:.4f},{x:.8f}" for t, x in zip(time_s, u, strict=True))]
-    page = visit.page
-    page.goto(bench.address)
     named = {"name": "..\\..\\decay <b>.csv", "mimeType": "text/csv", "buffer": "\n".join(lines).encode()}
     page.locator(".drop input[type=file]").set_input_files(named)
     page.wait_for_selector(".step")  # it is opened
@@ -112,7 +109,7 @@ def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, ben
 def test_a_board_that_falls_silent_is_reported_and_what_came_is_kept(visit, bench):
     page = visit.page
     page.goto(bench.address)
-    with stalling_board(at_s=1.5) as port:
+    with running("--tcp", "0", "--fault", "stall:30@1.5") as port:
         field = page.get_by_label("Port of the board")
         field.fill(port)
         field.press("Enter")
