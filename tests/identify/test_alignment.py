@@ -11,6 +11,7 @@ from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.release import release_of
+from identify.signal.kinematics import Pair, agree
 from mocks.generate import Sample, draw
 
 RATE = 256.0
@@ -226,3 +227,16 @@ def test_channels_without_any_noise_are_refused_or_aligned_and_do_not_fail():
         u, _, a = exponential(time, 2.0)
         with suppress(NotIdentifiable):
             assert abs(align(FreeDecay(50.0, displacement=u, acceleration=a)).lag.value) < 0.05
+
+
+def test_a_lag_of_exactly_none_is_refined_as_one_beside_it():
+    time = np.arange(400) / 100.0
+    u, _, a = exponential(time, 2.0)
+    noise = np.random.default_rng(4).standard_normal((2, len(time)))
+    sizes = 1e-3 * np.array([np.std(u), np.std(a)])
+    u, a = u + sizes[0] * noise[0], a + sizes[1] * noise[1]
+    spread = (np.full(len(time), size**2) for size in sizes)
+    pair = Pair(u, a, 2, 100.0, *spread, excess=np.zeros(len(time)))
+    none, beside = (agree(pair, lag, 1.0, 0.04) for lag in (0.0, 1e-5))
+    assert none.lag == pytest.approx(beside.lag, abs=1e-6)
+    assert abs(none.lag) < 1e-3
