@@ -40,7 +40,7 @@ def usable(
     if cycles < fewest:
         raise refusal(
             decay,
-            f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
+            f"fewer than {fewest:g} cycles of free motion stand above friction and noise; "
             "release from a larger amplitude or record longer",
         )
     return first, first + length, omega

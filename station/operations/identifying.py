@@ -63,7 +63,6 @@ def identified(session: Session, settings: Settings) -> Identification:
 
 
 def refuse_if_nothing(result: Identification) -> None:
-    """Raise Answered when both methods refused."""
+    """Raise Answered when both methods refused: with the reason of the first, as all are printed before."""
     if not result.methods:
-        reasons = dict.fromkeys(result.refusals[step] for step in ("wavelet", "restoring_force"))
-        raise Answered("nothing could be identified: " + "; ".join(reasons))
+        raise Answered(f"nothing could be identified: {result.refusals['wavelet']}")
