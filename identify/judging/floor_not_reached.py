@@ -21,11 +21,11 @@ from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
+from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
-from identify.fitting.noise_colour import may_be_hum
 from identify.judging.beside_walk import weighed
 from identify.judging.linear_gain import states_of_term
 from identify.judging.nonparametric_force import free_form

@@ -5,7 +5,7 @@ import pytest
 from releases import drawn
 
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.noise_colour import common_lines
+from identify.fitting.common_lines import common_lines
 from identify.model.model import base_model
 from mocks.imperfections import HUM
 
