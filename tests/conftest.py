@@ -91,7 +91,7 @@ def among_few() -> Iterator[None]:
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave the pictures of a report empty, which take most of its time, where only its words are looked at."""
 
-    def empty(figure: object, file: BytesIO, **_: object) -> None:
+    def empty(canvas: object, file: BytesIO, **_: object) -> None:
         file.write(b"<svg/>")
 
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", empty)
+    monkeypatch.setattr("matplotlib.backends.backend_svg.FigureCanvasSVG.print_svg", empty)
