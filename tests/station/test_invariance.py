@@ -11,7 +11,6 @@ from tests.conftest import FEW
 MOVED = 0.02
 """Share of a suspect's evidence by which it may move; a jitter of 1e-12 moves it by less than 1e-4."""
 
-
 LIBRARY = tuple(map(find_effect, (*FEW, "stribeck_friction", "position_dependent_friction", "dahl_friction")))
 
 
