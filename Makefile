@@ -7,8 +7,8 @@ TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
-DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, above_the_floor curve_evidence diagnose explanation few_releases judgement \
-  floor_not_reached own_linear marginal_likelihood second_mass))
+DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, above_the_floor curve_evidence diagnose floor_not_reached judgement \
+  second_mass))
 
 .PHONY: help install launcher demo test slow check kernel bench pictures constraints docs clean
 

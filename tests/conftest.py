@@ -4,6 +4,7 @@ import base64
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 
@@ -67,3 +68,30 @@ def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
         buffer.write(DOT)
 
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", save)
+
+
+FEW = (
+    "linear_stiffness", "coulomb_friction", "viscous_damping", "cubic_stiffness", "settling_stiffness",
+    "quadratic_damping", "hysteresis", "offset_drift",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def among_few() -> Iterator[None]:
+    """Let the station try few effects where a test is not about which of them is named: all take five times as long."""
+    from identify.effects.library import find_effect
+
+    few = tuple(find_effect(name) for name in FEW)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("station.operations.diagnosing.whole_library", lambda file: few)
+        yield
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the pictures of a report empty, which take most of its time, where only its words are looked at."""
+
+    def empty(canvas: object, file: BytesIO, **_: object) -> None:
+        file.write(b"<svg/>")
+
+    monkeypatch.setattr("matplotlib.backends.backend_svg.FigureCanvasSVG.print_svg", empty)

@@ -5,19 +5,24 @@ from functools import cached_property
 from typing import Any
 
 from identify.diagnosis.diagnose import Diagnosis, diagnose
+from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 
 MASS_KG = 21.36
-FEW = tuple(
-    find_effect(name)
-    for name in (
-        "cubic_stiffness", "signed_quadratic_stiffness", "settling_stiffness", "time_varying_stiffness", "freeplay",
-        "end_stop", "hysteresis", "quadratic_damping", "position_dependent_damping", "fading_damping",
-        "harmonic_forcing", "mains_hum", "pendulum_stiffness",
-    )
+
+
+def among(*names: str) -> tuple[Effect, ...]:
+    """Return a library of these effects: what is hidden, and whatever could be taken for it."""
+    return tuple(find_effect(name) for name in names)
+
+
+FEW = among(
+    "cubic_stiffness", "signed_quadratic_stiffness", "settling_stiffness", "time_varying_stiffness", "freeplay",
+    "end_stop", "hysteresis", "quadratic_damping", "position_dependent_damping", "fading_damping",
+    "harmonic_forcing", "mains_hum", "pendulum_stiffness",
 )  # fmt: skip
 """Effects enough for a choice between them; the whole library takes several times as long."""
 

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 from releases import ready
-from specimens import diagnosed
+from specimens import among, diagnosed
 
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
@@ -12,6 +12,10 @@ from identify.fitting.random_walk import walk_beside
 from identify.judging.beside_walk import smooth_law_evidence
 from identify.model.model import base_model
 from mocks.generate import draw
+
+SPRINGS = among(
+    "cubic_stiffness", "signed_quadratic_stiffness", "settling_stiffness", "time_varying_stiffness", "hysteresis"
+)  # fmt: skip
 
 
 def release(hidden, strength, seed):
@@ -60,7 +64,7 @@ def test_a_line_does_not_vouch_for_a_law_that_follows_a_walk_beside_it():
 
 def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     prepared, _ = release("wandering_stiffness", 0.0003, 1)
-    found = diagnosed(prepared)
+    found = diagnose(prepared, library=SPRINGS)
     assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.walk is not None
     assert found.walk.stiffness > 0.0
@@ -77,7 +81,7 @@ def test_a_strong_walk_is_not_named_after_the_law_that_follows_most_of_it():
 
 def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     prepared, _ = release("cubic_stiffness", 0.003, 7)
-    found = diagnosed(prepared)
+    found = diagnose(prepared, library=SPRINGS)
     assert found.named == ("cubic_stiffness",)
     beside = walk_beside(found.final)
     assert max(beside.evidence, smooth_law_evidence(beside)) < 0.0
@@ -154,7 +158,9 @@ def test_noise_whose_colour_is_hardly_known_is_no_force():
         range_displacement=0.03685, range_acceleration=22.078, noise_displacement=1.8637e-5,
         noise_acceleration=0.011166, gain_error=0.0, imperfections=("one_over_f",), sensor_pair=906128,
     )  # fmt: skip
-    assert diagnose((ready(sample.rate, sample.displacement, sample.acceleration),)).named == ()
+    laws = among("maxwell_element", "hysteresis", "cubic_stiffness", "quadratic_damping")
+    prepared = ready(sample.rate, sample.displacement, sample.acceleration)
+    assert diagnose(prepared, library=laws).named == ()
 
 
 @pytest.mark.slow

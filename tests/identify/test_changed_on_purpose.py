@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from specimens import diagnosed
+from specimens import among
 
+from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.prediction import predict
@@ -15,6 +16,7 @@ from mocks.generate import draw
 
 STIFFNESS, FRICTION, DAMPING, DRAG = 614.0, 0.1, 0.28, 0.8
 AMPLITUDES = (0.025, 0.018, 0.013)
+RIVALS = among("quadratic_damping", "position_dependent_damping", "hysteresis", "cubic_stiffness")
 
 
 def rig(springs, lighter=(1.0, 1.0, 1.0), drag=DRAG, *, both=True):
@@ -59,7 +61,7 @@ def test_without_saying_so_no_common_model_follows_three_springs():
 @pytest.mark.parametrize("both", [True, False], ids=["two channels", "displacement alone"])
 def test_drag_is_named_on_three_springs_together(both):
     decays = rig((STIFFNESS, 2.0 * STIFFNESS, 0.5 * STIFFNESS), both=both)
-    found = diagnosed(*changed_on_purpose(decays, frozenset({"stiffness"})))
+    found = diagnose(changed_on_purpose(decays, frozenset({"stiffness"})), library=RIVALS)
     assert found.named == ("quadratic_damping",)
     c2 = found.final.parameters["quadratic_damping.c2"]
     assert abs(c2.value - DRAG) < 5.0 * c2.std
@@ -71,7 +73,7 @@ def test_three_masses_on_one_spring_share_forces_that_are_each_over_its_own_mass
     decays = changed_on_purpose(rig((STIFFNESS,) * 3, lighter), frozenset({"inertia"}))
     ratios = np.array([decay.window.lightness for decay in decays])
     assert ratios / ratios[0] == pytest.approx(lighter, rel=2e-3)
-    found = diagnosed(*decays)
+    found = diagnose(decays, library=RIVALS)
     assert found.named == ("quadratic_damping",)
     c2 = found.final.parameters["quadratic_damping.c2"]
     assert (
@@ -82,7 +84,7 @@ def test_three_masses_on_one_spring_share_forces_that_are_each_over_its_own_mass
 def test_what_two_springs_show_predicts_a_third_that_is_said_to_be_another():
     first, second, third = rig((STIFFNESS, 2.0 * STIFFNESS, 0.5 * STIFFNESS))
     varies = frozenset({"stiffness"})
-    law = diagnosed(*changed_on_purpose((first, second), varies)).final
+    law = diagnose(changed_on_purpose((first, second), varies), library=RIVALS).final
     (other,) = changed_on_purpose((third,), varies)
     assert predict(law.model, law.parameters, other).motion_percent < 1.0
     assert predict(law.model, law.parameters, third).motion_percent > 50.0

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from releases import CALIBRATED, drawn, hidden
-from specimens import diagnosed
+from specimens import among, diagnosed
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step, remove_effect
@@ -50,7 +50,8 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
 )
 def test_a_faulty_sensor_is_not_called_physics(fault):
     prepared, _ = drawn(fault, 0.01, seed=42, gain_uncertainty=CALIBRATED)
-    found = diagnosed(prepared, also=fault)
+    physics = ("cubic_stiffness", "end_stop", "hysteresis", "quadratic_damping")
+    found = diagnose(prepared, library=among(fault, *physics))
     assert found.verdict == "sensor_fault"
     assert found.named[0] == fault
 
@@ -58,7 +59,8 @@ def test_a_faulty_sensor_is_not_called_physics(fault):
 def test_a_drift_that_a_creeping_force_would_explain_as_well_is_told_by_the_rest_before_the_release():
     # A held mass does not creep, a drifting sensor drifts on: of this draw the motion alone cannot tell the two.
     prepared, truth = drawn("offset_drift", 0.01, seed=9105)
-    found = diagnose((prepared,))
+    rivals = ("maxwell_element", "settling_stiffness", "ac_coupling", "cubic_stiffness")
+    found = diagnose(prepared, library=among("offset_drift", *rivals))
     assert found.named == ("offset_drift",)
     assert found.suspects[0].term.channel == truth["parameters"]["channel"]
 

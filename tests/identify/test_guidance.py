@@ -1,12 +1,18 @@
-from dataclasses import replace
-
 import pytest
 
-from identify.diagnosis.guidance import first_release, guidance, leading
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.guidance import first_release, guidance
 from identify.planning.next_release import Limits
-from tests.identify.specimens import Specimen, diagnosed
+from tests.identify.specimens import Specimen, among
 
 LIMITS = Limits(0.002, 0.025)
+RIVALS = among(
+    "cubic_stiffness", "settling_stiffness", "time_varying_stiffness", "hysteresis", "quadratic_damping", "freeplay"
+)  # fmt: skip
+
+
+def diagnosed(*releases):
+    return diagnose(releases, library=RIVALS)
 
 
 def test_the_first_release_lies_between_the_limits():
@@ -29,21 +35,21 @@ def test_a_test_ends_as_what_is_hidden_wants_it(hidden, strength, seed, state):
         assert told.words
     assert told.state == state
     assert told.named == ((hidden,) if state == "confirmed" else ())
-    assert len(decays) <= 3
+    assert len(decays) <= (3 if hidden else 2)  # where nothing is missing the upper limit is asked for once
 
 
 def test_one_release_confirms_nothing():
-    found = diagnosed(Specimen("hysteresis", 0.01, 40).release(25.0))
-    assert found.named == ("hysteresis",)
-    assert not guidance(found, 1, LIMITS).over
+    found = diagnosed(Specimen("cubic_stiffness", 0.02, 11).release(25.0))
+    assert found.named == ("cubic_stiffness",)
+    told = guidance(found, 1, LIMITS)
+    assert not told.chosen.tells_more
+    assert not told.over
 
 
 def test_what_was_not_released_from_the_upper_limit_is_not_confirmed():
     specimen = Specimen("hysteresis", 0.01, 40)
     found = diagnosed(specimen.release(9.0), specimen.release(-7.0, 1))
-    told = guidance(found, 2, LIMITS)
-    assert not told.over
-    assert guidance(found, 2, Limits(0.002, 0.009)).state == "confirmed"
+    assert not guidance(found, 2, LIMITS).over
 
 
 def test_a_law_between_the_names_is_confirmed_where_a_name_only_comes_near():
@@ -58,16 +64,6 @@ def test_what_is_confirmed_below_the_upper_limit_says_how_far_it_was_seen():
     found = diagnosed(specimen.release(15.0), specimen.release(-15.0, 1))
     told = guidance(found, 2, LIMITS)
     assert told.over is ("could not be seen" in told.words)
-    assert "could not be seen" not in guidance(found, 2, Limits(0.002, 0.015)).words
-
-
-def test_several_effects_are_confirmed_with_one_exchanged_where_that_explains_more():
-    specimen = Specimen("cubic_stiffness+quadratic_damping", 0.02, 12)
-    found = diagnosed(specimen.release(25.0), specimen.release(-9.0, 1), specimen.release(-25.0, 2))
-    assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
-    first, *others = found.hypotheses
-    exchanged = next(one for one in others if len(one.names) == 2)
-    turned = replace(found)
-    vars(turned)["hypotheses"] = (replace(exchanged, log_odds=1e3), first, *others)
-    assert leading(found) == found.named
-    assert leading(turned) == exchanged.names
+    told = guidance(found, 2, Limits(0.002, 0.015))
+    assert told.state == "confirmed"
+    assert "could not be seen" not in told.words

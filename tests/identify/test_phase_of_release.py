@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from specimens import diagnosed
+from specimens import among
 
 from identify import FreeDecay, base_model
 from identify.comparison.compare import compare_fitted
+from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.prediction import predict
@@ -13,6 +14,7 @@ from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 
+RIVALS = among("harmonic_forcing", "mains_hum", "cubic_stiffness", "end_stop")
 SHAKEN = {"amp": 0.1, "f": 12.1}
 BENCH = {"linear_stiffness.k": 620.0, "coulomb_friction.mu_0": 0.02, "viscous_damping.mu_1": 0.3}
 
@@ -41,7 +43,7 @@ def test_releases_that_are_shaken_in_other_phases_have_one_law(two_channels: boo
         decays = tuple(
             prepare(FreeDecay(one.window.rate, one.window.readings["displacement"])) for one in decays
         )
-    found = diagnosed(*decays[:2])
+    found = diagnose(decays[:2], library=RIVALS)
     assert found.named == ("harmonic_forcing",)
     top = found.suspects[0]
     for name, truth in SHAKEN.items():
@@ -61,7 +63,7 @@ def test_releases_that_are_shaken_in_other_phases_have_one_law(two_channels: boo
 def test_the_pieces_of_a_long_release_share_its_phase():
     hidden = {"harmonic_forcing": SHAKEN | {"phase": 2.8}}
     sample = draw("harmonic_forcing", 0.02, 11, seconds=25.0, mu_0=0.002, mu_1=0.1, parameters=hidden)
-    found = diagnosed(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
+    found = diagnose(FreeDecay(sample.rate, sample.displacement, sample.acceleration), library=RIVALS)
     assert found.named == ("harmonic_forcing",)
     top = found.suspects[0]
     assert len(top.fit.windows) > 1

@@ -1,8 +1,9 @@
 from dataclasses import replace
 
 from releases import drawn
-from specimens import diagnosed
+from specimens import among
 
+from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
@@ -32,5 +33,7 @@ def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_forces():
 
 
 def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_shaking_beside_a_force():
-    found = diagnosed(drawn("quadratic_damping", 0.003, 440, imperfections=(ALIASED_LINE,))[0])
+    prepared, _ = drawn("quadratic_damping", 0.003, 440, imperfections=(ALIASED_LINE,))
+    rivals = ("harmonic_forcing", "position_dependent_damping", "hysteresis")
+    found = diagnose(prepared, library=among("mains_hum", "quadratic_damping", *rivals))
     assert set(found.named) == {"mains_hum", "quadratic_damping"}

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from releases import drawn
 from scipy.integrate import solve_ivp
+from specimens import FEW
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Parameter, Scales
-from identify.effects.library import LIBRARY
 from identify.effects.user import build, own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
 from identify.judging.suspects import try_terms
@@ -341,7 +341,7 @@ def test_a_memory_that_keeps_what_it_was_is_told_from_one_that_forgets():
 )
 def test_what_no_library_has_is_named_by_the_users_own_effect_and_reaches_the_floor(hidden, strength, text):
     setting, truth = drawn(hidden, strength, seed=61)
-    found = diagnose((setting,), library=(*LIBRARY, parse_effect(text)))
+    found = diagnose((setting,), library=(*FEW, parse_effect(text)))
     assert found.verdict == "missing_effect"
     assert found.named == ("own",)
     assert 0.85 < found.final.reduced < 1.15  # the floor of one record is known to some 5 %

@@ -12,6 +12,7 @@ from station.operations.diagnosing import check_same_bench, diagnose_sessions
 from station.operations.session_set import by_reason, open_sessions
 from station.settings import Settings
 
+pytestmark = pytest.mark.usefixtures("among_few")
 STIFFNESS = 613.6
 
 

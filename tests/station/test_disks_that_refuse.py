@@ -13,6 +13,7 @@ from station.settings import Settings
 from station.story.pipeline import silent
 from station.workbench.tasks import look
 
+pytestmark = pytest.mark.usefixtures("among_few")
 T = np.arange(1200) / 100.0
 
 
@@ -37,6 +38,7 @@ def test_a_session_that_was_cut_says_so_before_anything_else(here, capsys, comma
     assert "station verify sessions/decay" in first
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_page_and_report_certify_no_session_that_was_changed(here, capsys):
     assert run(["import", "decay.csv"]) == 0
     folder = here / "sessions" / "decay"
@@ -50,6 +52,7 @@ def test_page_and_report_certify_no_session_that_was_changed(here, capsys):
     assert "Verdict on the recording:</b> none" in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_session_that_is_as_it_was_written_brings_no_warning(here, capsys):
     assert run(["identify", "decay.csv"]) == 0
     assert run(["compare", "decay"]) == 0
@@ -60,6 +63,7 @@ def test_a_session_that_is_as_it_was_written_brings_no_warning(here, capsys):
     assert "every byte as it came" in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_of_a_session_that_may_not_be_written_results_are_told_and_not_kept(here, capsys, monkeypatch):
     assert run(["import", "decay.csv"]) == 0
     capsys.readouterr()

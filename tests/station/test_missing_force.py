@@ -125,7 +125,7 @@ def test_a_drifting_sensor_is_named_as_a_sensor(bench, capsys):
     assert rate["value"] == pytest.approx(TRUTH[DRIFT.name]["parameters"]["rate"], abs=4 * rate["std"])
 
 
-def test_nothing_hidden_is_nothing_named(bench, capsys):
+def test_nothing_hidden_is_nothing_named(bench, diagnosis, among_few, capsys):
     document = told(capsys, "diagnose", NOTHING)
     assert document["verdict"] == "nothing_missing"
     assert document["named"] == []
@@ -178,7 +178,7 @@ def test_the_ladder_falls_to_the_floor_and_can_be_gone_back_on(bench, diagnosis,
     assert again["steps_above"] == 0
 
 
-def test_the_present_model_is_a_file_that_leaves_nothing_missing(bench, diagnosis, capsys):
+def test_the_present_model_is_a_file_that_leaves_nothing_missing(bench, diagnosis, among_few, capsys):
     told(capsys, "refine", DUFFING.stem, "--reset")
     ladder = told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
     document = told(capsys, "diagnose", DUFFING.stem, "--model", ladder["model_file"])

@@ -83,6 +83,7 @@ def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(
     assert np.abs((added - left)[used]).max() < 0.15 * np.abs(left[used]).max()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_session_that_was_not_refined_has_no_ladder(tmp_path):
     settings = Settings(sessions=tmp_path)
     session = open_sessions((str(DUFFING),), settings).sessions[0]

@@ -54,7 +54,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, among_few):
     """A folder with a diagnosed and refined session of a Duffing spring, and its report."""
     made = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
@@ -180,16 +180,6 @@ def test_the_checksums_are_those_of_the_files(page, folder):
 
 def test_the_report_is_sealed_with_the_session(folder):
     assert run(["verify", str(folder / "sessions" / "duffing")]) == 0
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Leave the pictures empty, which take most of a report's time, where only its words are looked at."""
-
-    def empty(_, file, **how):
-        file.write(b"<svg/>")
-
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", empty)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -24,6 +24,7 @@ def session(diagnosed, tmp_path, monkeypatch):
     return shutil.copytree(diagnosed, tmp_path / "sessions" / DUFFING.stem)
 
 
+@pytest.mark.usefixtures("among_few")
 @pytest.mark.parametrize(
     "line", [("compare",), ("diagnose",), ("diagnose", "--model", "usual"), ("compare", "--model", "usual")]
 )

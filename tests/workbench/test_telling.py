@@ -29,6 +29,9 @@ from tests.workbench.test_page_parts import palette
 DUFFING = Path(__file__).resolve().parent.parent / "data" / "hidden" / "release_14.csv"
 
 
+pytestmark = pytest.mark.usefixtures("among_few")
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return open_example("simulated_plain", tmp_path_factory.mktemp("told") / "sessions").folder
