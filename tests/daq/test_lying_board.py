@@ -34,7 +34,7 @@ def broken(seeds: range | tuple[int, ...], folder: Path) -> list[str]:
 
 
 def test_no_lie_passes_for_a_good_recording(tmp_path: Path) -> None:
-    assert broken((*range(30), *DANGEROUS), tmp_path) == []
+    assert broken((*range(60), *DANGEROUS), tmp_path) == []
 
 
 def test_an_honest_board_among_them_is_ok(tmp_path: Path) -> None:
