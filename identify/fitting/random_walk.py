@@ -229,13 +229,13 @@ def _moved(walk: RandomWalk) -> Place | None:
 def with_walk_errors(stated: Fit, walk: RandomWalk) -> Fit:
     """Widen the `stated` errors of a fit by what the random walk beside it does to the values of least squares.
 
-    A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian.
+    A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian. As in C, an
+    unknown at its bound is free.
     """
     found = walk.place.found
     if walk.evidence <= RIVALS_WITHIN:
         return stated
-    inside = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
-    scores = [found.linearised[1].gradient(c) * inside for c in (walk.place.columns * walk.sizes).T]
+    scores = [found.linearised[1].gradient(column) for column in (walk.place.columns * walk.sizes).T]
     moved = found.covariance @ np.column_stack(scores)
     return with_covariance(stated, stated.covariance + moved @ moved.T)
 

@@ -8,7 +8,7 @@ from specimens import among, diagnosed
 
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.random_walk import walk_beside
+from identify.fitting.random_walk import walk_beside, with_walk_errors
 from identify.judging.beside_walk import smooth_law_evidence
 from identify.model.model import base_model
 from mocks.generate import draw
@@ -169,3 +169,15 @@ def test_a_suspect_whose_motion_diverges_is_weighed_without_a_warning():
     """The motion of the Maxwell element diverges with the steps at which the walk's responses are simulated."""
     found = diagnosed(release("one_sided_friction", 0.01, 61019)[0], also="maxwell_element")
     assert found.verdict == "unknown_effect"
+
+
+@pytest.mark.parametrize("seed", [4, 6])
+def test_errors_beside_a_walk_are_no_wider_where_there_is_no_dry_friction(seed):
+    """As in the covariance, an unknown at its bound is free: were it held here, the other's error would be 40 times this."""
+    sample = draw("wandering_damping", 0.001, seed, mu_0=0.0)
+    found = fit_baseline((ready(sample.rate, sample.displacement, sample.acceleration),), base_model())
+    stated = with_walk_errors(found.fit, found.walk).parameters
+    assert stated["coulomb_friction.mu_0"].value == 0.0
+    loss = stated["viscous_damping.mu_1"]
+    assert loss.std > 10.0 * found.fit.parameters["viscous_damping.mu_1"].std
+    assert loss.std < 0.5 * loss.value
