@@ -229,8 +229,8 @@ def _moved(walk: RandomWalk) -> Place | None:
 def with_walk_errors(stated: Fit, walk: RandomWalk) -> Fit:
     """Widen the `stated` errors of a fit by what the random walk beside it does to the values of least squares.
 
-    A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian. As in C, an
-    unknown at its bound is free.
+    A walk of covariance W changes them by C J' W J C, with C the covariance under noise alone and J the Jacobian. An
+    unknown at its bound is free, as it is in C.
     """
     found = walk.place.found
     if walk.evidence <= RIVALS_WITHIN:
