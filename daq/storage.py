@@ -48,7 +48,13 @@ def make_folder(folder: Path) -> None:
 
 def discard(folder: Path) -> None:
     """Remove what a session that could not be made has left in its folder."""
-    shutil.rmtree(folder.resolve(), ignore_errors=True)
+    with suppress(OSError):
+        for path in folder.iterdir():
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                with suppress(OSError):
+                    path.unlink()
 
 
 def require_empty(folder: Path) -> None:

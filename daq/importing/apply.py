@@ -94,13 +94,15 @@ def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
 
 def fits(table: Table, recipe: Recipe) -> bool:
     """Check whether a recipe lists the columns of a table, neither more nor fewer (all, or those with a role of many), and
-    the file states the same units.
+    the file states the same units. A recipe without names is of files without names.
     """
     try:
         found = matched(table, recipe)
     except ImportProblem:
         return False
     if recipe.stated not in (None, stated(table)):
+        return False
+    if any(c.label.strip() for c in table.columns) != any(field.name.strip() for field in recipe.fields):
         return False
     all_of_it = len(recipe.fields) == len(table.columns) or len(table.columns) > WIDE
     return table.format == recipe.format and all_of_it and len(found) == len(recipe.fields)

@@ -125,7 +125,6 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
             [spectrum(shape.of_strength(1.0, rate), frequency, fit.windows[i].rate) - 1.0 for shape in SHAPES]
         )
         own, variance, between = _beside_lines(power, backgrounds, between)
-        own -= own[0, 0]
         places = alike(own + at_rest)
         models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
         smooth = [
@@ -142,32 +141,33 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
 def _beside_lines(power: Array, backgrounds: Array, between: Mask) -> tuple[Array, Array, Mask]:
     """Return the log-likelihood of every colour beside the lines of a spectrum, its white part, and the bins without lines.
 
-    A line explains its bins, beside a colour or in its place. It must bring as much as a line at rest.
+    It is relative to white noise beside lines of its own. The bins of a line count as ordinary noise of each colour, and
+    a line has its price: chance brings as much, at one of so many frequencies, in 1 of 100 records.
     """
     spread = 1.0 + STRENGTHS[:, None] * backgrounds[:, None, between]
-    logs = np.log(spread).sum(axis=2)
+    logs, price = np.log(spread).sum(axis=2), line_penalty(len(power))
 
-    def beside_what_is_not_in(kept: Mask) -> tuple[Array, Array, Mask]:
+    def beside(kept: Mask, lines: int) -> tuple[Array, Array, Mask]:
         variance = np.maximum(np.mean(power[kept] / spread[:, :, kept[between]], axis=2), 1e-300)
-        table = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + logs)
-        return table, variance, kept
+        likelihood = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + logs)
+        return likelihood - lines * price, variance, kept
 
-    found = beside_what_is_not_in(between)
-    for _ in range(_MOST_LINES):
-        table, _, kept = found
-        row, column = best(table - table[0, 0])
-        trials = []
-        for level in (1.0, 1.0 + STRENGTHS[column] * backgrounds[row]):
-            at = int(np.argmax(np.where(kept, power / level, 0.0)))
+    paths = []
+    for coloured in (False, True):  # the lines of white noise, and those of the likeliest colour
+        path = [beside(between, 0)]
+        for lines in range(1, _MOST_LINES + 1):
+            table, _, kept = path[-1]
+            row, column = best(table - table[0, 0]) if coloured else (0, 0)
+            at = int(np.argmax(np.where(kept, power / (1.0 + STRENGTHS[column] * backgrounds[row]), 0.0)))
             without = kept.copy()
             without[max(at - _LINE_BINS, 0) : at + _LINE_BINS + 1] = False
-            if int(without.sum()) >= _FEWEST:
-                trials.append(beside_what_is_not_in(without))
-        best_of_them = max(trials, key=lambda one: float(one[0].max()), default=found)
-        if float(best_of_them[0].max()) < float(table.max()) + line_penalty(len(power)):
-            break
-        found = best_of_them
-    return found
+            if int(without.sum()) < _FEWEST:
+                break
+            path.append(beside(without, lines))
+        paths += path
+    white = max(float(table[0, 0]) for table, _, _ in paths)
+    table, variance, kept = max(paths, key=lambda one: float(one[0].max()))
+    return table - white, variance, kept
 
 
 def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:

@@ -69,7 +69,7 @@ def align(decay: FreeDecay) -> Alignment:
     _require_motion(pair, moving, frequency)
     try:
         return _aligned(pair, moving, frequency, decay.stated_lag)
-    except ValueError as error:  # no number, no matrix, or a lag beyond the record
+    except np.linalg.LinAlgError as error:
         raise NotIdentifiable(TOO_LITTLE) from error
 
 

@@ -130,6 +130,8 @@ def agree(pair: Pair, lag: float, gain: float, corner: float | None = None) -> A
         h = difference(pair, whole, lagrange_taps(fraction) if interpolated else np.ones(1))
         average = AVERAGES[pair.order]
         rows = _rows(n, h, average)
+        if not rows:
+            raise np.linalg.LinAlgError("the lag is longer than the record")
         slow = np.column_stack([average.apply(time**k, rows) for k in range(_SLOW_TERMS)])
         columns = slow
         if corner is not None:
