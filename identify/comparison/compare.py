@@ -23,7 +23,7 @@ from identify.fitting.model_error import (
     motion_percent,
 )
 from identify.fitting.problem import Problem
-from identify.formatting import three_figures
+from identify.formatting import quantity, three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import nuisance
@@ -236,7 +236,7 @@ def _cause(
         return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
     if tone is not None and tone.sensor:
         return (
-            f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "
+            f"At {quantity(tone.frequency)} the {tone.channel} shows what the other channel does not: hum or a disturbance "
             "of that sensor; look at it first."
         )
     if kinematics.significance > _SURE and not modelled:

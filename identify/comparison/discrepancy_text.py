@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from identify.formatting import scaled
+from identify.estimate import Estimate
+from identify.formatting import quantity, scaled
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,12 @@ class DiscrepancyText:
         return text, self.force_scale, self.energy_unit
 
     def at_frequency(
-        self, frequency: float, amplitude: float, channel: str, channels: tuple[str, ...]
+        self, frequency: Estimate, amplitude: float, channel: str, channels: tuple[str, ...]
     ) -> tuple[str, str]:
         """Return the sentence and the unit of the amplitude."""
         unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
         alone = f"the {channel} alone" if len(channels) == 1 else " and ".join(channels)
-        text = f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model lacks"
+        text = f"at {quantity(frequency)} there is a line of {scaled(amplitude, unit)} in the {channel} that the model lacks"
         return (f"{text}, seen in {alone}" if channels else text), unit
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.comparison.multiple_shooting import MultipleShooting
+from identify.estimate import Estimate
 from identify.free_decay import CHANNELS
 from identify.preprocessing.fit_window import FitWindow
 
@@ -18,13 +19,14 @@ _EXPECTED = 40.0
 
 @dataclass(frozen=True)
 class ResidualTone:
-    """The strongest line: `frequency` Hz, `amplitude` in the unit of `channel`, `significance` in standard errors.
+    """The strongest line: `frequency`, `amplitude` in the unit of `channel`, `significance` in standard errors.
 
+    The error of its frequency is the width of a line in the record's spectrum: states that are free in every cycle move it.
     `channels` are those of several in which it is seen. `sensor` is True when the other channel lacks it where a
     motion would have shown there, with the ratio w^2 of acceleration to displacement: then it is no motion.
     """
 
-    frequency: float
+    frequency: Estimate
     amplitude: float
     channel: str
     channels: tuple[str, ...]
@@ -63,7 +65,7 @@ def find_residual_tone(shooting: MultipleShooting) -> ResidualTone | None:
     wave = np.exp(-2j * np.pi * frequency[at] * np.arange(n) / window.rate)
     amplitude = 2.0 * abs(np.sum(left[channel] * taper * wave)) / np.sum(taper) * window.sigma[channel]
     return ResidualTone(
-        float(frequency[at]),
+        Estimate(float(frequency[at]), window.rate / n, "Hz"),
         float(amplitude),
         channel,
         tuple(

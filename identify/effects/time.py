@@ -105,7 +105,7 @@ HARMONIC_FORCING = ForceEffect(
     plausible=lambda values, scales: not near_harmonic(values["f"], scales),
     line=True,
     fastest_rate=lambda p: _RESOLVED * 2.0 * pi * float(p[1]),
-    symptom="a line that does not decay, in both channels, with the ratio -w^2",
+    symptom="a line that does not decay, in every channel, acceleration with -w^2 times the displacement",
     confirming_test="record without a release: the line is still there",
     confusable_with=("second_mass", "mains_hum"),
 )
