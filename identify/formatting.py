@@ -18,6 +18,9 @@ _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LARGE, _SMALL = 1e5, 1e-3
 """Sizes from which on, and below which, a power of ten is taken out."""
 
+_HIDES = 1e4
+"""Times a value from which on an error leaves no digit of it: both are written apart."""
+
 EXPLAINS_NOTHING, _ALL = 0.005, 0.9995
 """Shares below which nothing is explained, and from which on more digits would be noise."""
 
@@ -57,6 +60,8 @@ def with_error(value: float | None, std: float | None) -> str:
         return "unknown"
     if std is None or not std > 0.0 or math.isinf(std):
         return f"{_power_of_ten(f'{value:.4g}')}{'' if std == 0.0 else ' (error unknown)'}"
+    if std > _HIDES * abs(value) > 0.0:
+        return f"{_power_of_ten(f'{value:.3g}')} (error {_power_of_ten(f'{std:.2g}')})"
     exponent = math.floor(math.log10(max(abs(value), std)))
     last = math.floor(math.log10(std)) - 1
     if float(f"{std:.1e}") >= 10.0 ** (last + 2):

@@ -166,7 +166,7 @@ def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:
     yield inertia
     for text, term in zip(forces, fit.model.forces, strict=True):
         for name, value in weighing.weighed(term.effect.name, fit.quoted(term, 0)).items():
-            number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
+            number = with_error(value.value, value.std).partition(" (error")[0]
             number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]

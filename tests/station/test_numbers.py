@@ -4,7 +4,7 @@ import pytest
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
-from identify.formatting import SPACE, odds_words, three_figures, with_error
+from identify.formatting import SPACE, odds_words, quantity, three_figures, with_error
 from station.story.engineering_values import UNKNOWN, Weighing
 from station.text.numbers import (
     amplitude_words,
@@ -82,6 +82,12 @@ def test_no_zero_has_a_sign_and_evidence_is_told_as_odds():
     assert with_error(-0.004, 1.2).replace(SPACE, " ") == "0.0 ± 1.2"
     assert [odds_words(nats) for nats in (0.0, 2.3, 9.2)] == ["1 to 1", "10 to 1", "10⁴ to 1"]
     assert odds_words(40.2) == "10⁵ to 1 or more"
+
+
+def test_an_error_that_leaves_no_digit_does_not_hide_the_value():
+    said = quantity(Estimate(4.54, 4.8e6, "rad/s")).replace(SPACE, " ")
+    assert said == "4.54 rad/s (error 4.8 × 10⁶)"
+    assert with_error(0.0, 1.2).replace(SPACE, " ") == "0.0 ± 1.2"
 
 
 def test_what_moves_through_an_angle_has_a_torque_and_an_inertia():
