@@ -1,6 +1,6 @@
 """Effects with memory: forces that depend on where the mass has been."""
 
-from math import pi
+from math import hypot, pi
 
 import numpy as np
 
@@ -67,10 +67,11 @@ def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
     Tuned to the motion, as a damper is, it splits the motion's line by the root of the ratio of masses (Den Hartog 1934):
     that shows where it is more than either line is wide, by a beat at least within the record.
     """
-    w2, split = values["w2"], scales.frequency * values["ratio"] ** 0.5
+    w2 = values["w2"]
+    split = hypot(w2 - scales.frequency, scales.frequency * values["ratio"] ** 0.5)
     damping = values["zeta"] * w2
     if abs(w2 / scales.frequency - 1.0) <= _TUNED:
-        return bool(split > damping and split * scales.duration > 2.0 * pi)
+        return bool(split > damping and split * scales.duration > pi)
     harmonic = w2 > 1.5 * scales.frequency and near_harmonic(w2 / (2.0 * pi), scales)
     return not (harmonic and damping * scales.duration < _LASTING)
 

@@ -15,14 +15,14 @@ release shows it. Where the values of single releases scatter by more than their
 raised by the ratio, as the Particle Data Group averages measurements (Rosenfeld et al., Rev. Mod. Phys. 39, 1, 1967).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
-from identify.fitting.fit import Fit
+from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
 from identify.model.simulate import Response
 from identify.preprocessing.fit_window import FitWindow
@@ -245,12 +245,13 @@ _REACH = 0.5
 """Distance, in units of the motion's frequency, up to which a bin counts."""
 
 
-def with_misfit_errors(found: Fit) -> Fit:
+def with_misfit_errors(found: Fit, held: Collection[str] = ()) -> Fit:
     """Give a fit the covariance of least squares under its actual misfit, never below that of the noise.
 
-    The sandwich of normal matrix and scatter of the scores (Huber 1967).
+    The sandwich of normal matrix and scatter of the scores (Huber 1967). Unknowns whose names are `held` were not fitted.
     """
-    length = np.sqrt(np.diag(found.linearised[1].normal()))
+    fitted = np.array([name not in held for name in found.names])
+    length = np.sqrt(np.diag(found.linearised[1].normal())) * fitted
     scales = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
     cycles, free = cycle_sums(found, scales), np.flatnonzero(scales)
     scatter = scatter_of_scores(cycles, len(free), len(found.windows))
@@ -303,6 +304,12 @@ def misfit_density(found: Fit, around: float | None = None, channel: str = "") -
 
 
 def is_clear(whole: Fit, term: Term) -> bool:
-    """Check whether the strength of an effect differs from zero by some errors of the actual misfit."""
-    strength = with_misfit_errors(whole).values[str(term.strength)]
+    """Check whether the strength of an effect differs from zero by some errors of the actual misfit.
+
+    Where its memory did not begin at rest, the motion shows only the product of strength and state: the states are held.
+    """
+    states = [u.name for u in whole.unknowns if u.id.role == "state" and u.id.effect == term.effect.name]
+    if states:
+        whole = fit(whole.model, whole.windows, whole.point, whole.frequency, near=True, held=states)
+    strength = with_misfit_errors(whole, states).values[str(term.strength)]
     return bool(np.isfinite(strength.std) and abs(strength.value) > CLEAR * strength.std)

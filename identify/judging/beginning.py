@@ -98,11 +98,16 @@ def begin(
     starts = term_starts(term, scales)
     likely = () if slope is None else likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
     from_elsewhere: list[Beginning] = []
+    from_rest = _largest(decays).window.pre_release is not None
     if _has_free_state(problem, term):  # of hardly any strength it could be as large as any by its state
         points = _promising(decays, base, problem, term, likely, _STARTS)
         found = best_of(points + _promising(decays, base, problem, term, starts, _STARTS), _DAMPING)
         places = _not_from_rest(decays, base, problem, term, close_starts(term, scales))
         from_elsewhere = best_of(places, _DAMPING, held=None)
+        if not from_rest:
+            likely = likeliest(decays, slope or Slope.of(base), term, scales)[:_STARTS]
+            from_elsewhere += best_of(hardly_there(likely), _NO_DAMPING)
+            from_elsewhere = sorted(from_elsewhere, key=lambda one: one.cost)[:1]
     else:
         found = best_of(hardly_there(likely), _NO_DAMPING)
         points = _promising(decays, base, problem, term, starts, _STARTS - len(likely))
