@@ -6,6 +6,7 @@ from pathlib import Path
 
 from identify.formatting import DASH, among, plain_name, three_figures
 from identify.judging.verdict import HEADLINES
+from identify.priors import CLEAR
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import (
     DecidedDocument,
@@ -163,11 +164,16 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
 
 
 def parameters(found: SuspectDocument, weighing: Weighing) -> str:
-    """Write the values of a suspect, and of a sensor's fault the channel that it is in."""
-    values = [STRENGTH_UNKNOWN]
-    if found.strength_known:
-        values = with_names(weighing.weighed(found.effect, found.parameters))
-    return "; ".join([*([f"in the {found.channel}"] if found.channel else []), *values])
+    """Write the values of a suspect, and of a sensor's fault the channel that it is in.
+
+    Of one whose strength is not determined only those that differ clearly from zero.
+    """
+    values, unknown = weighing.weighed(found.effect, found.parameters), []
+    if not found.strength_known:
+        values = {k: v for k, v in values.items() if abs(v.value or 0.0) > CLEAR * (v.std or math.inf)}
+        unknown = [STRENGTH_UNKNOWN]
+    channel = [f"in the {found.channel}"] if found.channel else []
+    return "; ".join([*channel, *with_names(values), *unknown])
 
 
 def _values(document: DiagnosisDocument, weighing: Weighing) -> str:
