@@ -19,6 +19,7 @@ from identify.free_decay import CHANNELS
 from identify.model.model import Model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.signal.fractional_delay import bridge
 from identify.signal.harmonic_windows import HarmonicWindows
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 
@@ -61,7 +62,7 @@ class IsolatedMode:
         """Lay windows over a record, following its frequency; NotIdentifiable when it holds fewer than four."""
         channel = window.channels[0]
         used = window.used[channel]
-        values = np.where(used, window.readings[channel], np.mean(window.readings[channel][used]))
+        values = bridge(window.readings[channel], used)
         mean = 2.0 * np.pi * dominant_frequency(values, window.rate, CHANNELS.index(channel))
         if not mean > 0.0:
             raise NotIdentifiable("The record shows no oscillation to draw a curve of.")

@@ -11,6 +11,7 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
 from identify.preprocessing.fit_window import FitWindow
+from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency
 
 _STANDS_OUT = 60.0
@@ -69,7 +70,7 @@ def other_modes(found: Fit) -> tuple[OtherMode, ...]:
 def _strongest(found: Fit, window: FitWindow, channel: str) -> OtherMode | None:
     used = window.used[channel]
     left = np.where(used, found.residual(channel, 0), 0.0)[window.lead :]
-    reading = np.where(used, window.readings[channel], np.mean(window.readings[channel][used]))[window.lead :]
+    reading = bridge(window.readings[channel], used)[window.lead :]
     half = len(left) // 2
     bins = np.asarray(np.fft.rfftfreq(half, 1.0 / window.rate), dtype=np.float64)
     free = _between_harmonics(reading[:half], window, channel, bins)

@@ -20,6 +20,7 @@ from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow, OwnLinear, windows_by_release
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DAMPING_VARIES, STIFFNESS_VARIES
+from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import running_amplitude
 
 VARIES = ("stiffness", "damping", "inertia")
@@ -155,7 +156,7 @@ def _loss(window: FitWindow, frequency: float) -> float:
     period = max(int(2.0 * np.pi / frequency * window.rate), 2)
     if len(values) <= 3 * period or not used.any():
         return 0.0
-    running = running_amplitude(np.where(used, values, np.mean(values[used])), period)
+    running = running_amplitude(bridge(values, used), period)
     first, last = float(running[period]), float(running[-period - 1])
     if not 0.0 < last < first:
         return 0.0

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from daq.manifest import known_manifest
 from daq.session import Session
 from identify.comparison.other_benches import OTHER_BENCH, other_benches
 from identify.diagnosis.diagnose import Diagnosis, diagnose
@@ -16,6 +17,7 @@ from station.own_effects import whole_library
 from station.results.diagnosis_document import NAME, DiagnosisDocument, diagnosis_document
 from station.results.documents import Errors, keep_document, picked, plain
 from station.settings import Settings
+from station.story.adequacy import recording_doubt
 from station.story.pipeline import Compared, KnownModel, Progress, compare, silent
 from station.story.preparation import prepare_session
 
@@ -119,7 +121,10 @@ def diagnose_sessions(
         left_out = leave_one_out(found.final)
     document = diagnosis_document(sessions.names, found, model.expressions, left_out)
     of_sessions = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
-    said = {"model_is": model.words, "model_remark": model.remark}
+    doubts = {s.folder.name: recording_doubt(known_manifest(s.folder)) for s in sessions.sessions}
+    against = [f"{name}: {doubt}." for name, doubt in doubts.items() if doubt]
+    caution = " ".join(filter(None, (document.caution, *against)))
+    said = {"model_is": model.words, "model_remark": model.remark, "caution": caution}
     document = document.model_copy(update=of_sessions | said)
     keep(sessions, document, progress)
     return found, document

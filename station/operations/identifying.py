@@ -33,8 +33,8 @@ def identify_session(
         progress("fitting the identified model")
         prepared = with_floor(prepare_recording(recording, options, found=found))
         if result.methods:
-            doubt = "" if sealed is None else recording_doubt(sealed)
-            result = replace(result, adequacy=adequacy(prepared, result.methods, doubt))
+            judged = adequacy(prepared, result.methods, recording_doubt(sealed))
+            result = replace(result, adequacy=judged)
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)

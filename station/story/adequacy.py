@@ -67,8 +67,10 @@ def needed_orders(methods: Sequence[Method]) -> tuple[int, tuple[int, ...]]:
     return max(method.order for method in methods), tuple(sorted(stiffness | {1}))
 
 
-def recording_doubt(manifest: Manifest) -> str:
+def recording_doubt(manifest: Manifest | None) -> str:
     """Decide what the verdict holds against every value of a recording: a REJECT, or a sensor's fault; "" for nothing."""
+    if manifest is None:
+        return ""
     verdict = manifest.verdict
     if verdict is not None and verdict.grade is Grade.REJECT:
         return f"the recording is {verdict.grade.value} ({verdict.reasons[0]})"
