@@ -64,8 +64,8 @@ def _reachable_lines(scales: Scales) -> Starts:
 def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
     """Check whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
 
-    Tuned to the motion, as a damper is, it splits the motion's line by the root of the ratio of masses (Den Hartog 1934):
-    that shows where it is more than either line is wide, by a beat at least within the record.
+    Tuned to the motion, as a damper is, its line stands apart by its own distance and by the root of the ratio of masses
+    (Den Hartog 1934): that shows where it is more than either line is wide, by half a beat at least within the record.
     """
     w2 = values["w2"]
     split = hypot(w2 - scales.frequency, scales.frequency * values["ratio"] ** 0.5)

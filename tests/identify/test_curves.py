@@ -136,6 +136,21 @@ def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat
     assert not driven.grows
     assert not curve((0.6 + beat) * np.exp(-0.02 * time)).driven
     assert not curve((0.6 + beat) / (1.0 + 0.03 * time)).driven
+    few = slice(5)
+    assert curve(np.exp(0.05 * time)).part(few).driven
+    assert not curve(1.0 + 0.001 * time).part(few).driven  # steady
+    assert not curve(np.exp(-0.05 * time)).part(few).driven
+
+
+def test_readings_lost_at_regular_distances_do_not_change_where_the_curve_looks():
+    """A camera that drops five of ten frames: the gaps are no oscillation."""
+    time = np.arange(420) / 30.0
+    reading = 0.4 * np.exp(-0.05 * time) * np.cos(2.0 * np.pi * 1.34 * time)
+    decay = FreeDecay(30.0, displacement=reading + 0.002 * np.random.default_rng(2).standard_normal(420),
+                      valid=np.arange(420) % 10 >= 5)  # fmt: skip
+    (release,) = isolated((prepare(decay),))
+    assert release.curve.frequency == pytest.approx(2.0 * np.pi * 1.34, rel=0.02)
+    assert not release.curve.driven
 
 
 def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_two():

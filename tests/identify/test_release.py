@@ -279,12 +279,21 @@ def test_a_motion_that_beats_is_one_release() -> None:
     assert len(find_releases(FreeDecay(32.0, displacement=u))) == 1
 
 
-def test_a_second_release_of_less_than_the_first_is_no_beat() -> None:
+def test_a_beat_that_begins_at_its_node_is_one_release() -> None:
+    """A pendulum that another one sets in motion: nothing moves at first."""
+    times = np.arange(800) / 20.0
+    modes = np.cos(4.44 * times) - 0.9 * np.cos(4.59 * times)
+    u = 0.05 * np.exp(-0.01 * times) * modes + 3e-4 * np.random.default_rng(8).standard_normal(800)
+    assert len(find_releases(FreeDecay(20.0, displacement=u))) == 1
+
+
+@pytest.mark.parametrize("second", [0.03, 0.08])
+def test_a_second_release_is_no_beat(second: float) -> None:
     times = np.arange(1200) / 32.0
     again = np.where(times < 20.0, times, times - 20.0)
-    size = np.where(times < 20.0, 0.05, 0.03)
+    size = np.where(times < 20.0, 0.05, second)
     held = (times > 15.0) & (times < 20.0)
-    u = np.where(held, 0.03, size * np.exp(-0.3 * again) * np.cos(2 * np.pi * 1.1 * again))
+    u = np.where(held, second, size * np.exp(-0.3 * again) * np.cos(2 * np.pi * 1.1 * again))
     u = u + 2e-4 * np.random.default_rng(7).standard_normal(1200)
     assert len(find_releases(FreeDecay(32.0, displacement=u))) == 2
 
