@@ -7,7 +7,7 @@ TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
-DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, above_the_floor curve_evidence diagnose floor_not_reached judgement \
+DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, floor_not_reached above_the_floor curve_evidence diagnose judgement \
   second_mass))
 
 .PHONY: help install launcher demo test slow check kernel bench pictures constraints docs clean

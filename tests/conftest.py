@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: there is a worker a core
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each of the hundred programs would read all sources again
@@ -49,6 +51,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(HERE / "workbench") or item.path.name == "test_fault_table.py":
             item.add_marker(pytest.mark.flaky(reruns=2))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling | None:
+    """Give a worker whole files, and one of them all of the workbench: a browser and a server start once, not thrice."""
+
+    class Together(LoadFileScheduling):  # type: ignore[misc]
+        def _split_scope(self, nodeid: str) -> str:
+            file = str(super()._split_scope(nodeid))
+            return file.rpartition("/")[0] if "/workbench/" in file else file
+
+    return Together(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 def _place(folder: str) -> int:

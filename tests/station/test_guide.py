@@ -18,6 +18,7 @@ from station.results.diagnosis_document import HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.guide_text import gave, odds_chart, percent
+from tests.identify.specimens import diagnosed
 
 
 def test_limits_are_two_lengths_with_their_units():
@@ -126,9 +127,10 @@ def test_a_decay_that_is_cut_off_gets_no_answer_while_it_still_runs(limit, answe
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("unrendered")
+@pytest.mark.usefixtures("unrendered", "undrawn")
 def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(guiding, "diagnose", lambda decays: diagnosed(*decays))  # among few effects
     assert run(["demo", "--guided", "5", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["state"] == "confirmed"

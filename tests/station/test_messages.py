@@ -104,6 +104,7 @@ def test_what_cannot_be_identified_is_to_be_looked_at(tmp_path, monkeypatch, cap
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unrendered")
 def test_a_table_ends_with_the_next_step_within_80_columns_and_as_latex_keeps_it_out(
     tmp_path, monkeypatch, capsys
 ):
@@ -122,6 +123,7 @@ def test_a_table_ends_with_the_next_step_within_80_columns_and_as_latex_keeps_it
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unrendered")
 def test_a_campaign_ends_with_the_next_step(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run(["demo", "--example", "simulated_plain"]) == 0

@@ -185,6 +185,7 @@ def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path)
     assert len(column(path, "/capture/displacement", "Scalars:scalars")) == 0
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_the_tabs_are_named_as_the_story_is_told(result):
     stream = rr.RecordingStream("tabs", send_properties=False)
     names = [tab(stream, VIEWERS[True], "one", result).name for tab in tabs.TABS]

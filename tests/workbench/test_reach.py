@@ -1,7 +1,6 @@
 """Who can use the page: with the keyboard alone, in both colour schemes, on small and large screens."""
 
 import re
-import shutil
 
 import pytest
 
@@ -11,31 +10,11 @@ RULES = {"runOnly": ["wcag2a", "wcag2aa"], "rules": {"nested-interactive": {"ena
 SIZES = ((820, 1180), (1280, 720), (1920, 1080))
 
 
-@pytest.fixture
-def solved(visit, bench, request):
-    """Open a session that was diagnosed, with its cards."""
-    page, kept = visit.page, bench.folder / "diagnosed"
-    name = f"reach_{abs(hash(request.node.name)) % 10**6}"
-    if kept.is_dir():
-        shutil.rmtree(bench.folder / "sessions" / name, ignore_errors=True)
-        shutil.copytree(kept, bench.folder / "sessions" / name)
-        page.goto(bench.session(name))
-    else:
-        page.goto(bench.fresh("mystery_7", name))
-        page.get_by_role("button", name="Diagnose", exact=True).click()
-    page.wait_for_selector("button.card-suspect")
-    page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
-    page.wait_for_function("!document.querySelector('[inert]')")
-    if not kept.is_dir():
-        shutil.copytree(bench.folder / "sessions" / name, kept)
-    return page
-
-
 def boxes(located):
     return [one.bounding_box() for one in located.all()]
 
 
-def tab_to(page, wanted, most=80):
+def tab_to(page, wanted, most=200):
     """Press Tab until the focus is on an element whose name matches."""
     name = "(document.activeElement.getAttribute('aria-label') || document.activeElement.innerText || '')"
     for _ in range(most):
@@ -45,52 +24,11 @@ def tab_to(page, wanted, most=80):
     raise AssertionError(f"the keyboard does not reach {wanted}")
 
 
-@pytest.mark.slow
-def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench):
-    page = visit.page
-    kept = bench.folder / "diagnosed"
-    bench.fresh("mystery_7", "keys")
-    page.goto(bench.address)
-    page.wait_for_selector(".session")
-    tab_to(page, "^keys")
-    page.keyboard.press("Enter")
-    page.wait_for_url(re.compile("session=keys"))
-    page.wait_for_selector(".step")
-    tab_to(page, "^Diagnose$")
-    page.keyboard.press("Enter")
-    page.wait_for_selector("button.card-suspect")
-    page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
-    page.wait_for_function("!document.querySelector('[inert]')")
-    shutil.rmtree(kept, ignore_errors=True)
-    shutil.copytree(bench.folder / "sessions" / "keys", kept)  # for the tests below
-    tab_to(page, "^Select .*would explain")
-    before = page.evaluate("bench.state.pointed")
-    assert before is not None  # the focus previews, as the pointer does
-    page.keyboard.press("ArrowRight")
-    assert page.evaluate("bench.state.pointed") != before
-    page.keyboard.press("ArrowLeft")
-    page.keyboard.press("Enter")
-    page.keyboard.press("Shift+Tab")
-    tab_to(page, "^Add Stribeck friction", most=200)
-    page.keyboard.press("Enter")
-    page.get_by_text("At the noise floor").wait_for()
-    tab_to(page, "^Write the report of this model")
-    page.keyboard.press("Enter")
-    report = page.get_by_role("link", name="Open the report")
-    report.wait_for()
-    page.reload()
-    report.wait_for()
-    text = page.request.get(bench.address + report.get_attribute("href")).text()
-    assert "coulomb" in text.lower()
-    assert "http://" not in text.replace("http://www.w3.org", "")
-
-
-@pytest.mark.slow
-def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_of_access(solved):
+def is_usable_on_every_screen(page):
+    """Look at the page in both colour schemes; it keeps the rules of access."""
     axe = pytest.importorskip(
         "axe_playwright_python.sync_playwright", reason="axe-core is not installed here"
     ).Axe()
-    page = solved
     for dark in (False, True):
         for width, height in SIZES[1:2] if dark else SIZES:
             page.set_viewport_size({"width": width, "height": height})
@@ -113,15 +51,8 @@ def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_
         page.wait_for_selector("body.body--dark" if not dark else "body:not(.body--dark)")
 
 
-@pytest.mark.slow
-def test_the_film_keeps_its_place_and_its_scales_the_address_its_step_and_undo_takes_a_step_back(
-    solved, bench
-):
-    page = solved
-    page.get_by_role("button", name="Add Stribeck friction").click()
-    page.wait_for_function("document.querySelectorAll('.step').length == 2")
-    page.get_by_text("At the noise floor").wait_for()
-    page.wait_for_function("!document.querySelector('[inert]')")
+def film_keeps_its_place_and_its_scales(page):
+    """Go back to step 0, while further pictures come; return the address, which has the step."""
     scales = """(() => { const [map, traces] = ["map", "traces"].map(n => bench.chart(n).getOption());
       return JSON.stringify([bench.state.reach, traces.yAxis[1].max, map.xAxis[0].max, map.visualMap[0].max]) })()"""
     at_floor = page.evaluate(scales)
@@ -135,9 +66,49 @@ def test_the_film_keeps_its_place_and_its_scales_the_address_its_step_and_undo_t
       bench.own({frame: s.frames[s.steps[0]], says: s.says.step0, name: "own"});
       bench.receive({steps: [...s.steps], present, busy: false, suspects: {}, says: {...s.says}, names: {}});
       return [s.film, s.suspects["(own)"] ?? null] }"""
-    assert page.evaluate(again, {"present": 1}) == [0, "(own)"]  # while further pictures come
+    assert page.evaluate(again, {"present": 1}) == [0, "(own)"]
     assert page.evaluate(again, {"present": 0}) == [None, None]  # another model: the film starts from it
-    page.goto(address)
+    return address
+
+
+@pytest.mark.slow
+def test_the_keyboard_leads_to_the_report_on_every_screen_and_an_address_and_undo_lead_back(visit, bench):
+    page = visit.page
+    bench.fresh("mystery_7", "keys")
+    page.goto(bench.address)
+    page.wait_for_selector(".session")
+    tab_to(page, "^keys")
+    page.keyboard.press("Enter")
+    page.wait_for_url(re.compile("session=keys"))
+    page.wait_for_selector(".step")
+    tab_to(page, "^Diagnose")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("button.card-suspect")
+    page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
+    page.wait_for_function("!document.querySelector('[inert]')")
+    is_usable_on_every_screen(page)
+    tab_to(page, "^Select .*would explain")
+    before = page.evaluate("bench.state.pointed")
+    assert before is not None  # the focus previews, as the pointer does
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("bench.state.pointed") != before
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Shift+Tab")
+    tab_to(page, "^Add Stribeck friction")
+    page.keyboard.press("Enter")
+    page.get_by_text("At the noise floor").wait_for()
+    page.wait_for_function("!document.querySelector('[inert]')")
+    tab_to(page, "^Write the report of this model")
+    page.keyboard.press("Enter")
+    report = page.get_by_role("link", name="Open the report")
+    report.wait_for()
+    text = page.request.get(bench.address + report.get_attribute("href")).text()
+    assert "coulomb" in text.lower()
+    assert "http://" not in text.replace("http://www.w3.org", "")
+    page.wait_for_function("!document.querySelector('[inert]')")
+    page.goto(film_keeps_its_place_and_its_scales(page))
     page.get_by_text("looking at step 0").wait_for()
+    report.wait_for()
     page.get_by_role("button", name="Undo the last change").click()
     page.wait_for_function("document.querySelectorAll('.step').length == 1")

@@ -18,8 +18,7 @@ SEED = 12
 """Hides quadratic damping, see conftest."""
 
 
-@pytest.fixture(scope="module")
-def pair(bench):
+def recorded(bench):
     """Record two releases of one bench; return what it hides, as its envelope says."""
     with TemporaryDirectory() as aside:
         envelope = Path(aside) / "truth.json"
@@ -32,19 +31,23 @@ def pair(bench):
         return json.loads(envelope.read_text())
 
 
-def tick_the_other(page):
-    """Choose the second release in the menu that is in view."""
+def numbers(row):
+    """Return the values of a row's cells without their errors, by column; what is not a number is left out."""
+    cells = [cell.inner_text() for cell in row.locator("td").all()]
+    found = {n: re.match(r"-?\d+(\.\d+)?(?=\s±)", cell) for n, cell in enumerate(cells)}
+    return {n: float(match[0]) for n, match in found.items() if match}
+
+
+def test_two_releases_of_one_bench_are_diagnosed_together_both_keep_the_answer_and_table_2_gives_their_mean(
+    visit, bench
+):
+    page, made_of = visit.page, recorded(bench)
+    page.goto(bench.session(NAMES[0]))
+    page.wait_for_selector(".step")
     page.get_by_role("button", name="Choose releases to look at together").locator("visible=true").click()
     page.get_by_role("checkbox", name=NAMES[1]).click()
     page.keyboard.press("Escape")
     page.get_by_text("With 1 other").locator("visible=true").wait_for()
-
-
-def test_two_releases_of_one_bench_are_diagnosed_together_and_both_keep_the_answer(visit, bench, pair):
-    page = visit.page
-    page.goto(bench.session(NAMES[0]))
-    page.wait_for_selector(".step")
-    tick_the_other(page)
     page.get_by_role("button", name=re.compile(r"^Diagnose( again)?$")).click()
     page.wait_for_selector("button.card-suspect")
     assert "quadratic damping" in page.locator(".verdict").inner_text()
@@ -55,26 +58,12 @@ def test_two_releases_of_one_bench_are_diagnosed_together_and_both_keep_the_answ
     assert kept[0] == kept[1]
     assert sorted(kept[0]["sessions"]) == sorted(NAMES)  # the larger release first, and they are as large
     first = kept[0]["suspects"][0]
-    found, truth = first["parameters"]["c2"], pair["parameters"][pair["hidden"]]["c2"]
-    assert first["effect"] == pair["hidden"]
+    found, truth = first["parameters"]["c2"], made_of["parameters"][made_of["hidden"]]["c2"]
+    assert first["effect"] == made_of["hidden"]
     assert abs(found["value"] - truth) < 4.0 * found["std"]
 
-
-def numbers(row):
-    """Return the values of a row's cells without their errors, by column; what is not a number is left out."""
-    cells = [cell.inner_text() for cell in row.locator("td").all()]
-    found = {n: re.match(r"-?\d+(\.\d+)?(?=\s±)", cell) for n, cell in enumerate(cells)}
-    return {n: float(match[0]) for n, match in found.items() if match}
-
-
-def test_table_2_gives_the_mean_of_the_releases_that_are_chosen(visit, bench, pair):
-    page = visit.page
-    page.goto(bench.session(NAMES[0]))
-    page.wait_for_selector(".step")
     page.get_by_role("tab", name="Identification").click()
     page.get_by_text("its values may be quoted").wait_for()
-    if page.get_by_text("With 1 other").locator("visible=true").count() == 0:
-        tick_the_other(page)
     page.get_by_text("Table 2. Mean and standard deviation over 2 releases").wait_for()
     tables = page.locator(".numbers-table")
     means = [numbers(row) for row in tables.last.locator("tbody tr").all()]
