@@ -57,6 +57,7 @@ def test_a_file_that_does_not_explain_itself_shows_its_columns_and_is_read_as_th
     recipe = (bench.folder / "sessions" / "odd" / "recipe.toml").read_text(encoding="utf-8")
     assert '{name = "phi", role = "displacement", unit = "deg"}' in recipe
     page.goto(bench.address)
+    page.goto(bench.address)
     drop.set_input_files({"name": "next.csv", "mimeType": "text/csv", "buffer": text})
     page.wait_for_url("**session=next")
 
