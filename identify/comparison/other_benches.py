@@ -11,7 +11,7 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 OTHER_BENCH = 1.3
-"""Factor between two stiffnesses per mass from which on the benches are plainly different; one rig has at most 1.07 (of 11)."""
+"""Factor between two stiffnesses per mass from which on the benches are plainly different; on 11 rigs it is at most 1.07."""
 
 _FEWEST_CYCLES = 2.0
 
