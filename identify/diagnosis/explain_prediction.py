@@ -8,7 +8,7 @@ from identify.fitting.misfit_errors import is_clear
 from identify.formatting import among, odds_words, plain_name, quantities, share_words, three_figures
 from identify.judging.suspect import Suspect
 
-_NEARLY_ALL = 0.99
+_NEARLY_ALL = 0.9
 """Share of what the model leaves above the noise that a force must explain to be spoken of though its strength is unsure."""
 
 _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}

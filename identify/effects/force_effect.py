@@ -53,7 +53,8 @@ class ForceEffect(Effect):
     alike at all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What
     `may_be_all_of` a linear part has the strength of that part on a rig where nothing else adds to it, and then no constant
     of its own. A joint or an asperity holds no more than it gives way at: its first state is a share of that, at most
-    `largest_state`. Other states are displacements, their second speeds, of any size.
+    `largest_state`. Other states are displacements, their second speeds, of any size. `beats_with(p, frequency)` checks that
+    they swing so near an angular frequency (rad/s) that both read as one motion that beats.
     """
 
     kind = "physics"
@@ -71,6 +72,7 @@ class ForceEffect(Effect):
     gives_way: Callable[[Array], float] | None = None
     nonsmooth: bool = False
     proportional: bool = False
+    beats_with: Callable[[Array, float], bool] | None = None
     linear_part: LinearPart | None = None
     may_be_all_of: LinearPart | None = None
 

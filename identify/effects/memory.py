@@ -61,6 +61,10 @@ def _reachable_lines(scales: Scales) -> Starts:
     return tuple((float(w), 0.003) for w in close) + tuple((float(w), 0.04) for w in wide)
 
 
+def _is_tuned(w2: float, frequency: float) -> bool:
+    return abs(w2 / frequency - 1.0) <= _TUNED
+
+
 def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
     """Check whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
 
@@ -70,7 +74,7 @@ def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
     w2 = values["w2"]
     split = hypot(w2 - scales.frequency, scales.frequency * values["ratio"] ** 0.5)
     damping = values["zeta"] * w2
-    if abs(w2 / scales.frequency - 1.0) <= _TUNED:
+    if _is_tuned(w2, scales.frequency):
         return bool(split > damping and split * scales.duration > pi)
     harmonic = w2 > 1.5 * scales.frequency and near_harmonic(w2 / (2.0 * pi), scales)
     return not (harmonic and damping * scales.duration < _LASTING)
@@ -89,6 +93,7 @@ SECOND_MASS = ForceEffect(
     rates=lambda t, u, v, z, p: (z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])),
     states=2,
     proportional=True,
+    beats_with=lambda p, frequency: _is_tuned(float(p[1]), frequency),
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_line_starts,
     plausible=_has_a_line_of_its_own,

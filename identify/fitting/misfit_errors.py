@@ -306,9 +306,13 @@ def misfit_density(found: Fit, around: float | None = None, channel: str = "") -
 def is_clear(whole: Fit, term: Term) -> bool:
     """Check whether the strength of an effect differs from zero by some errors of the actual misfit.
 
-    Where its memory did not begin at rest, the motion shows only the product of strength and state: the states are held.
+    Of one that beats with the motion, and did not begin at rest, only the product of strength and states shows: the states
+    are held. Farther off, such a line is another mode unless the strength itself is clear.
     """
-    states = [u.name for u in whole.unknowns if u.id.role == "state" and u.id.effect == term.effect.name]
+    effect, states = term.force, list[str]()
+    values = np.array([estimate.value for estimate in whole.of(term, 0).values()])
+    if effect.beats_with is not None and effect.beats_with(values, whole.frequency):
+        states = [u.name for u in whole.unknowns if u.id.role == "state" and u.id.effect == effect.name]
     if states:
         whole = fit(whole.model, whole.windows, whole.point, whole.frequency, near=True, held=states)
     strength = with_misfit_errors(whole, states).values[str(term.strength)]
