@@ -369,7 +369,7 @@ def refine(
     return diagnose(decays, model, library=library, known=known, worth=worth).refine(progress)
 
 
-_MORE = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+MORE_DATA = "Record at least ten cycles, from the largest amplitude that is safe."
 _AT_REST = "Record the sensor at rest for a second before the release, from a larger amplitude."
 _AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"
 
@@ -378,7 +378,7 @@ def _next_experiment(
     baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...], chosen: NextRelease | None
 ) -> str:
     if verdict == "not_enough_data":
-        return _MORE if too_few_cycles(baseline) else _AT_REST
+        return MORE_DATA if too_few_cycles(baseline) else _AT_REST
     if verdict == "driven":
         return "Stop the drive and release the mass."
     if verdict == "sensor_fault" and not suspects[0].rivals:

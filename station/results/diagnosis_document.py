@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import AliasPath, BeforeValidator, Field
 
 from daq.session import Session
-from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.diagnose import MORE_DATA, Diagnosis
 from identify.effects.effect import Kind
 from identify.fitting.model_error import errors_of
 from identify.fitting.prediction import Prediction
@@ -32,7 +32,6 @@ from station.results.documents import (
 from station.results.models import ModelFile, model_file
 
 NAME = "diagnosis.json"
-MORE_DATA = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
 
 
 Channel = Annotated[

@@ -96,7 +96,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
     blank = ("",) * (len(reason) + full)
     cells.append(("noise alone", "", floor_words(error.chi2_std), *blank))
     head = (
-        f"residual, free run of {error.horizon_s or 0.0:.1f} s", "% of motion", "times noise", *reason,
+        f"residual, free run of {three_figures(error.horizon_s)} s", "% of motion", "times noise", *reason,
         *["chi-square"] * full,
     )  # fmt: skip
     return Table("", head, tuple(cells), marks=(*(row[0] for row in rows), "noise"))
