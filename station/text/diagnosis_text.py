@@ -166,11 +166,12 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
 def parameters(found: SuspectDocument, weighing: Weighing) -> str:
     """Write the values of a suspect, and of a sensor's fault the channel that it is in.
 
-    Of one whose strength is not determined only those that differ clearly from zero.
+    Of one whose strength, the first, is not determined only others that differ clearly from zero.
     """
     values, unknown = weighing.weighed(found.effect, found.parameters), []
     if not found.strength_known:
-        values = {k: v for k, v in values.items() if abs(v.value or 0.0) > CLEAR * (v.std or math.inf)}
+        others = list(values.items())[1:]
+        values = {k: v for k, v in others if abs(v.value or 0.0) > CLEAR * (v.std or math.inf)}
         unknown = [STRENGTH_UNKNOWN]
     channel = [f"in the {found.channel}"] if found.channel else []
     return "; ".join([*channel, *with_names(values), *unknown])
