@@ -75,7 +75,8 @@ def begin(
     With a `slope` a force begins very weak at the places of its largest linear gains, where it grows as far as these
     predict; then at the strengths of the equation error. Where both make the fit worse it begins very weak
     from all starts: no model need be worse than a part of itself. Of one whose memory need not have begun at rest the best
-    of such starts is kept, too, its first steps taken with all parameters free: held, they drive its strength to none.
+    of such starts is kept, too: its first steps are taken with all parameters free, for held they drive its strength to
+    none, or from very weak at the places of the largest linear gains, however far the fit is.
     """
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=not is_near(base))
@@ -95,19 +96,16 @@ def begin(
     def hardly_there(places: Starts) -> list[Array]:
         return [p for place in places for p in probes(decays, base, problem, term, place)[:1]]
 
-    starts = term_starts(term, scales)
+    starts, free = term_starts(term, scales), _has_free_state(problem, term)
+    slope = Slope.of(base) if free and slope is None else slope
     likely = () if slope is None else likeliest(decays, slope, term, scales)[:_BY_LINEAR_GAIN]
     from_elsewhere: list[Beginning] = []
-    from_rest = _largest(decays).window.pre_release is not None
-    if _has_free_state(problem, term):  # of hardly any strength it could be as large as any by its state
+    if free:  # of hardly any strength it could be as large as any by its state
         points = _promising(decays, base, problem, term, likely, _STARTS)
         found = best_of(points + _promising(decays, base, problem, term, starts, _STARTS), _DAMPING)
         places = _not_from_rest(decays, base, problem, term, close_starts(term, scales))
-        from_elsewhere = best_of(places, _DAMPING, held=None)
-        if not from_rest:
-            likely = likeliest(decays, slope or Slope.of(base), term, scales)[:_STARTS]
-            from_elsewhere += best_of(hardly_there(likely), _NO_DAMPING)
-            from_elsewhere = sorted(from_elsewhere, key=lambda one: one.cost)[:1]
+        ends = best_of(places, _DAMPING, held=None) + best_of(hardly_there(likely), _NO_DAMPING)
+        from_elsewhere = sorted(ends, key=lambda one: one.cost)[:1]
     else:
         found = best_of(hardly_there(likely), _NO_DAMPING)
         points = _promising(decays, base, problem, term, starts, _STARTS - len(likely))
