@@ -54,14 +54,15 @@ class Estimated(Protocol):
 def with_error(value: float | None, std: float | None) -> str:
     """Write "13115.0 ± 2.1": the error with two figures, the value with the same decimals; alone where it is exact.
 
-    A power of ten is taken out where either would need many digits or zeros that mean nothing.
+    A power of ten is taken out where either would need many digits or zeros that mean nothing; where the error leaves no
+    digit of the value it stands apart: "4.54 (error 4.80 × 10⁶)".
     """
     if value is None or not math.isfinite(value):
         return "unknown"
     if std is None or not std > 0.0 or math.isinf(std):
         return f"{_power_of_ten(f'{value:.4g}')}{'' if std == 0.0 else ' (error unknown)'}"
     if std > _HIDES * abs(value) > 0.0:
-        return f"{_power_of_ten(f'{value:.3g}')} (error {_power_of_ten(f'{std:.2g}')})"
+        return f"{_power_of_ten(f'{value:.3g}')} (error {three_figures(std)})"
     exponent = math.floor(math.log10(max(abs(value), std)))
     last = math.floor(math.log10(std)) - 1
     if float(f"{std:.1e}") >= 10.0 ** (last + 2):

@@ -10,8 +10,12 @@ from identify.fitting.segments import part_of
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-OTHER_BENCH = 1.3
-"""Factor between two stiffnesses per mass from which on the benches are plainly different; on 11 rigs it is at most 1.07."""
+_OTHER_BENCH, _NONLINEAR = 1.3, 2.0
+"""Factor between two stiffnesses per mass from which on the benches are plainly different, at like amplitudes (on 11 rigs
+it is 1.07 at most) and at unlike ones, between which a spring may harden."""
+
+_LIKE = 1.5
+"""Ratio of two amplitudes up to which they are alike."""
 
 _FEWEST_CYCLES = 2.0
 
@@ -21,13 +25,18 @@ def other_benches(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
 
     However large its error, unless the stiffness drifts as far within a release.
     """
-    ranges = [_stiffness_of(prepared) for prepared in decays]
-    return tuple(i for i in range(1, len(ranges)) if _far(ranges[0], ranges[i]))
+    ranges, sizes = (
+        [_stiffness_of(prepared) for prepared in decays],
+        [prepared.amplitude for prepared in decays],
+    )
+    alike = [max(size, sizes[0]) < _LIKE * min(size, sizes[0]) for size in sizes]
+    limits = [_OTHER_BENCH if one else _NONLINEAR for one in alike]
+    return tuple(i for i in range(1, len(ranges)) if _far(ranges[0], ranges[i], limits[i]))
 
 
-def _far(first: tuple[float, float], other: tuple[float, float]) -> bool:
+def _far(first: tuple[float, float], other: tuple[float, float], limit: float) -> bool:
     (_, low), (high, _) = sorted((first, other))
-    return high > OTHER_BENCH * low
+    return high > limit * low
 
 
 def _stiffness_of(prepared: PreparedDecay) -> tuple[float, float]:

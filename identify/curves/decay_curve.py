@@ -79,8 +79,6 @@ class DecayCurve:
         No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
         """
         level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
-        if self.rises:
-            return True
         if len(self.late) < _LONG_ENOUGH or before.min() >= level:
             return False
         if self.grows:
@@ -95,16 +93,9 @@ class DecayCurve:
         return len(thirds[0]) >= _LONG_ENOUGH and all(alike) and bool(fallen)
 
     @property
-    def rises(self) -> bool:
-        """Whether all of the late part is larger than all before it, and the amplitude rises by a tenth or more."""
-        before = self.amplitude[: len(self) - len(self.late)]
-        return bool(before.max() < self.late.min() and (1.0 + _STEADY) * before.min() < self.late.max())
-
-    @property
     def grows(self) -> bool:
-        """Whether the amplitude rises, or the largest of the late part is larger than all before it, by a quarter."""
-        before = self.amplitude[: len(self) - len(self.late)]
-        return self.rises or bool(self.late.max() > _COMES_BACK * before.max())
+        """Whether the late part is larger than all before it, by a quarter."""
+        return bool(self.late.max() > _COMES_BACK * self.amplitude[: len(self) - len(self.late)].max())
 
     @property
     def beats_late(self) -> bool:

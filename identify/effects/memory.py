@@ -99,7 +99,8 @@ SECOND_MASS = ForceEffect(
     plausible=_has_a_line_of_its_own,
     reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
-    symptom="a second line that starts at the release and decays on its own; beats; another mode of the rig looks the same",
+    symptom="a second line that starts at the release and decays on its own; beats; another mode of the rig looks the same, "
+    "and so may a slow change of the sensor or of the plane of swing where less than a beat was recorded",
     confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),
 )

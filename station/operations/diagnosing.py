@@ -5,7 +5,7 @@ from typing import Any
 
 from daq.manifest import known_manifest
 from daq.session import Session
-from identify.comparison.other_benches import OTHER_BENCH, other_benches
+from identify.comparison.other_benches import other_benches
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.fitting.validation import leave_one_out
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -89,8 +89,8 @@ def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> 
     others = [names[index] for index in other_benches(sessions.decays)]
     if others and not anyway:
         raise UsageProblem(
-            f"{', '.join(others)}: another bench than {names[0]}, since the stiffness per unit mass differs by more than a "
-            f"factor of {OTHER_BENCH:g}; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
+            f"{', '.join(others)}: another bench than {names[0]}, since the stiffness per unit mass differs by more than "
+            "releases of one rig do; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
             "--varies stiffness or --varies inertia; --anyway if they share their physics"
         )
 
@@ -121,8 +121,8 @@ def diagnose_sessions(
         left_out = leave_one_out(found.final)
     document = diagnosis_document(sessions.names, found, model.expressions, left_out)
     of_sessions = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
-    doubts = {s.folder.name: recording_doubt(known_manifest(s.folder)) for s in sessions.sessions}
-    against = [f"{name}: {doubt}." for name, doubt in doubts.items() if doubt]
+    doubts = ((s.folder.name, recording_doubt(known_manifest(s.folder))) for s in sessions.sessions)
+    against = [f"{name}: {doubt}." for name, doubt in doubts if doubt]
     caution = " ".join(filter(None, (document.caution, *against)))
     said = {"model_is": model.words, "model_remark": model.remark, "caution": caution}
     document = document.model_copy(update=of_sessions | said)

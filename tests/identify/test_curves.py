@@ -136,10 +136,7 @@ def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat
     assert not driven.grows
     assert not curve((0.6 + beat) * np.exp(-0.02 * time)).driven
     assert not curve((0.6 + beat) / (1.0 + 0.03 * time)).driven
-    few = slice(5)
-    assert curve(np.exp(0.05 * time)).part(few).driven
-    assert not curve(1.0 + 0.001 * time).part(few).driven  # steady
-    assert not curve(np.exp(-0.05 * time)).part(few).driven
+    assert not curve(np.exp(0.05 * time)).part(slice(5)).driven  # the first half of a beat rises, too
 
 
 def test_readings_lost_at_regular_distances_do_not_change_where_the_curve_looks():

@@ -1,4 +1,4 @@
-"""Releases of another bench: a spring twice as stiff is one, another amplitude is none."""
+"""Releases of another bench: a spring half as stiff again is one, another amplitude is none."""
 
 import pytest
 
@@ -23,8 +23,11 @@ def test_releases_of_one_bench_are_of_one_at_whatever_amplitude():
     assert other_benches([*decays, release(4, stiffness=0.969 * STIFFNESS)[0]]) == ()
 
 
-def test_a_spring_twice_as_stiff_is_another_bench():
-    assert other_benches([release(1)[0], release(2, stiffness=2.2 * STIFFNESS)[0]]) == (1,)
+def test_a_spring_half_as_stiff_again_is_another_bench_and_of_another_amplitude_one_twice_as_stiff():
+    first = release(1)[0]
+    assert other_benches([first, release(2, stiffness=1.5 * STIFFNESS)[0]]) == (1,)
+    assert other_benches([first, release(2, stiffness=1.5 * STIFFNESS, amplitude=0.01)[0]]) == ()
+    assert other_benches([first, release(2, stiffness=2.2 * STIFFNESS, amplitude=0.01)[0]]) == (1,)
 
 
 def test_a_spring_eight_times_as_stiff_is_another_bench_however_badly_the_usual_model_follows():

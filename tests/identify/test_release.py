@@ -279,14 +279,6 @@ def test_a_motion_that_beats_is_one_release() -> None:
     assert len(find_releases(FreeDecay(32.0, displacement=u))) == 1
 
 
-def test_a_beat_that_begins_at_its_node_is_one_release() -> None:
-    """A pendulum that another one sets in motion: nothing moves at first."""
-    times = np.arange(800) / 20.0
-    modes = np.cos(4.44 * times) - 0.9 * np.cos(4.59 * times)
-    u = 0.05 * np.exp(-0.01 * times) * modes + 3e-4 * np.random.default_rng(8).standard_normal(800)
-    assert len(find_releases(FreeDecay(20.0, displacement=u))) == 1
-
-
 @pytest.mark.parametrize("second", [0.03, 0.08])
 def test_a_second_release_is_no_beat(second: float) -> None:
     times = np.arange(1200) / 32.0

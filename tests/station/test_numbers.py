@@ -86,7 +86,7 @@ def test_no_zero_has_a_sign_and_evidence_is_told_as_odds():
 
 def test_an_error_that_leaves_no_digit_does_not_hide_the_value():
     said = quantity(Estimate(4.54, 4.8e6, "rad/s")).replace(SPACE, " ")
-    assert said == "4.54 rad/s (error 4.8 × 10⁶)"
+    assert said == "4.54 rad/s (error 4.80 × 10⁶)"
     assert with_error(0.0, 1.2).replace(SPACE, " ") == "0.0 ± 1.2"
 
 
