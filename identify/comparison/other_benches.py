@@ -25,10 +25,8 @@ def other_benches(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
 
     However large its error, unless the stiffness drifts as far within a release.
     """
-    ranges, sizes = (
-        [_stiffness_of(prepared) for prepared in decays],
-        [prepared.amplitude for prepared in decays],
-    )
+    ranges = [_stiffness_of(prepared) for prepared in decays]
+    sizes = [prepared.amplitude for prepared in decays]
     alike = [max(size, sizes[0]) < _LIKE * min(size, sizes[0]) for size in sizes]
     limits = [_OTHER_BENCH if one else _NONLINEAR for one in alike]
     return tuple(i for i in range(1, len(ranges)) if _far(ranges[0], ranges[i], limits[i]))

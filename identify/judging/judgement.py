@@ -180,7 +180,7 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
         effect=candidate.term.effect,
         term=term,
         error_after=baseline.reduced(candidate.fit),
-        motion_after=motion_percent(candidate.fit),
+        motion_after=motion_percent(settled.fit if is_final else candidate.fit),
         evidence=candidate.evidence,
         claimed=candidate.claimed,
         baseline=baseline,
