@@ -28,12 +28,20 @@ class Channel(NamedTuple):
     lost: Mask
 
 
+_MIRRORED = 3.0
+"""Ratio of the times of fall and rise around the node of a beat up to which they are alike."""
+
+
 class Burst(NamedTuple):
-    """A sustained oscillation, in samples: where it may have begun and where it had died or the next one begins."""
+    """A sustained oscillation, in samples: where it may have begun and where it had died or the next one begins.
+
+    It is `mirrored` where the one before it fell in about the time in which it rises, as around the node of a beat.
+    """
 
     start: int
     stop: int
     amplitude: float
+    mirrored: bool = False
 
 
 def find_bursts(lead: Channel, period: float) -> list[Burst]:
@@ -57,9 +65,21 @@ def find_bursts(lead: Channel, period: float) -> list[Burst]:
         half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
         start = first + int(half[-1]) if len(half) else first
         stop = _where_it_ends(amplitude, peak, floor)
-        bursts.append(Burst(start * step, min(stop * step, len(lead.values)), float(amplitude[peak])))
+        size = float(amplitude[peak])
+        mirrored = bool(bursts) and _is_mirrored(amplitude, position, min(size, bursts[-1].amplitude))
+        bursts.append(Burst(start * step, min(stop * step, len(lead.values)), size, mirrored))
         position = max(stop, peak + 1)
     return bursts
+
+
+def _is_mirrored(amplitude: Array, node: int, size: float) -> bool:
+    """Check whether an amplitude fell to a node in about the time in which it rises to a `size` again; a push is steeper."""
+    above = amplitude > np.sqrt(size * amplitude[node])
+    before, after = np.flatnonzero(above[:node]), np.flatnonzero(above[node:])
+    if not len(before) or not len(after):
+        return False
+    fall, rise = node - before[-1], after[0]
+    return bool(max(fall, rise) < _MIRRORED * min(fall, rise))
 
 
 def _where_it_ends(amplitude: Array, peak: int, floor: float) -> int:

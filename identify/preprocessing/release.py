@@ -32,9 +32,6 @@ HAND_S = 0.030
 LEAD_S = 0.015
 """The rest ends this long before the release: half a slow hand, and an early channel."""
 
-BEAT_SHARE = 0.9
-"""A motion that rises again to more than this share of its amplitude was released again: damping takes some of a beat."""
-
 AT_REST, NOISY = 0.02, 1.5
 """What comes before a rise is at rest up to this share of its amplitude, or up to so many times the noise."""
 
@@ -101,15 +98,15 @@ def _search(decay: FreeDecay) -> list[tuple[float, Release]]:
 def _with_beats_whole(
     rate: float, channels: list[Channel], period: float, bursts: list[Burst]
 ) -> list[Burst]:
-    """Join bursts that are beats of one motion: one rises again, to less than before, though nothing held or struck it.
+    """Join bursts that are beats of one motion: one rises again as it fell, though nothing held or struck it.
 
-    Two modes, or a damper that gives back what it took, do so; a free motion never rises above what it was.
+    Two modes, or a damper that gives back what it took, do so.
     """
     joined = bursts[:1]
     for burst in bursts[1:]:
         before = joined[-1]
         lost = channels[0].lost[before.stop : max(burst.start, before.stop + 1)]
-        again = burst.amplitude < BEAT_SHARE * before.amplitude and not np.any(lost)
+        again = burst.mirrored and not np.any(lost)
         if again and all(_onset(rate, c, period, burst, before.stop) is None for c in channels):
             joined[-1] = before._replace(stop=burst.stop)
         else:

@@ -279,6 +279,15 @@ def test_a_motion_that_beats_is_one_release() -> None:
     assert len(find_releases(FreeDecay(32.0, displacement=u))) == 1
 
 
+@pytest.mark.parametrize("begins", [0.0, 2.0, 4.1, 18.0])
+def test_a_beat_is_one_release_wherever_in_it_the_record_begins(begins: float) -> None:
+    """Two pendulums joined by a spring: one that is near its node rises above what it had."""
+    times = begins + np.arange(1200) / 20.0
+    modes = np.cos(4.44 * times) + 0.95 * np.cos(4.79 * times + 0.4)
+    u = 0.05 * modes / (1.0 + 0.01 * times) + 3e-4 * np.random.default_rng(8).standard_normal(1200)
+    assert len(find_releases(FreeDecay(20.0, displacement=u))) == 1
+
+
 @pytest.mark.parametrize("second", [0.03, 0.08])
 def test_a_second_release_is_no_beat(second: float) -> None:
     times = np.arange(1200) / 32.0
