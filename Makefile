@@ -4,13 +4,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
-WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
+WORKERS := -n 4 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV="$(VENV)" "$(PYTHON)" install.py
 
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, floor_not_reached above_the_floor curve_evidence diagnose judgement \
   second_mass))
 
-.PHONY: help install launcher demo test slow check kernel bench pictures constraints docs clean
+.PHONY: help install launcher demo test check kernel bench pictures constraints docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -38,11 +38,8 @@ check: $(TOOLS)  ## format, lint, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: $(TOOLS)  ## all tests
-	$(BIN)/pytest $(WORKERS)
-
-slow: $(TOOLS)  ## the tests that take long
-	$(BIN)/pytest $(WORKERS) -m slow
+test: $(TOOLS)  ## the tests; with SLOW=1 those that take long, too
+	$(BIN)/pytest $(WORKERS) $(if $(SLOW),-m "")
 
 kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, compiled code for any x86-64
 	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR="$(CURDIR)/build/kernel" \

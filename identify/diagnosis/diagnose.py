@@ -22,7 +22,6 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
-from identify.fitting.whole_spring import as_the_whole_spring
 from identify.formatting import plain_name, quantities, three_figures
 from identify.free_decay import FreeDecay
 from identify.judging.judgement import judge, large_enough, listed_suspects
@@ -305,10 +304,9 @@ def _findings(settled: Baseline) -> tuple[CorrectedFault, ...]:
 
 def _settled(baseline: Baseline, judgement: Judgement) -> Baseline:
     """Judge the fit with what was found against the noise floor that its own residual shows."""
-    settled = baseline
-    if judgement.final is not baseline.fit:
-        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
-    return replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
+    if judgement.final is baseline.fit:
+        return baseline
+    return refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
 
 
 def _searched(

@@ -11,8 +11,8 @@ from mocks.faults import NAMES
 from mocks.misconfigurations import MISCONFIGURATIONS
 
 ROWS = promises()
-# Each row on one line, in turn, every other row by `make slow`; on both where the line itself is at fault. `python -m
-# bench trust` injects every row on each of its lines, in real time and with several seeds, and alone those that are of
+# Each row on one line, in turn, every other row only with the slow tests; on both where the line itself is at fault. `python
+# -m bench trust` injects every row on each of its lines, in real time and with several seeds, and alone those that are of
 # the same kind as flipped bits, lost frames and a bumped table.
 ON_BOTH = ("unplug", "unplug and replug")
 OF_THE_SAME_KIND = (

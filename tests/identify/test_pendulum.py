@@ -14,9 +14,7 @@ from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.effect import Scales
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.whole_spring import as_the_whole_spring
 from identify.free_decay import FreeDecay
 from identify.judging.suspects import candidate_terms
 from identify.model.equivalent_linearisation import average
@@ -175,47 +173,6 @@ def test_gravity_is_named_on_a_pendulum_that_swings_through_more_than_half_a_tur
     assert swing.named == ("pendulum_stiffness",)
     assert "one and a half" not in swing.next_experiment  # 195 degrees: it would not come back
     assert swing.suspects[0].error_after < 1.3  # the noise is drawn: 1, and six errors of 0.05
-
-
-def test_gravity_that_is_the_whole_spring_is_known_as_well_as_the_spring():
-    """A swing of a sixth of a turn tells its softening a hundred times worse than its frequency."""
-    time = np.arange(1600) / 50.0
-    run = solve_ivp(
-        lambda t, y: [y[1], -K * np.sin(y[0]) - MU_1 * y[1]],
-        (0.0, time[-1]),
-        [0.15, 0.0],
-        t_eval=time,
-        rtol=1e-10,
-    )
-    angle = run.y[0] + 1e-3 * np.random.default_rng(4).standard_normal(len(time))
-    prepared = prepare(FreeDecay(50.0, displacement=angle, unit="rad"))
-    baseline = fit_baseline((prepared,), base_model().plus(Term(find_effect("pendulum_stiffness"))))
-    alone = baseline.fit.values["pendulum_stiffness.g"]
-    assert alone.std > 0.02 * K
-    tied = as_the_whole_spring(baseline.stated(baseline.fit), baseline.fit)
-    g, k = tied.values["pendulum_stiffness.g"], tied.values["linear_stiffness.k"]
-    assert g.value == k.value
-    assert g.std == k.std < 1e-3 * K
-    assert abs(g.value - K) < 5.0 * g.std
-    assert tied.reduced < baseline.fit.reduced + 0.01
-    at = [tied.names.index(name) for name in ("pendulum_stiffness.g", "linear_stiffness.k")]
-    np.testing.assert_allclose(tied.covariance[np.ix_(at, at)], tied.covariance[at[0], at[0]], rtol=1e-6)
-
-
-def test_gravity_beside_a_spring_keeps_a_strength_of_its_own():
-    time = np.arange(1600) / 50.0
-    run = solve_ivp(
-        lambda t, y: [y[1], -K * y[0] - 0.5 * K * (np.sin(y[0]) - y[0]) - MU_1 * y[1]],
-        (0.0, time[-1]),
-        [0.8, 0.0],
-        t_eval=time,
-        rtol=1e-10,
-    )
-    angle = run.y[0] + 1e-3 * np.random.default_rng(5).standard_normal(len(time))
-    prepared = prepare(FreeDecay(50.0, displacement=angle, unit="rad"))
-    baseline = fit_baseline((prepared,), base_model().plus(Term(find_effect("pendulum_stiffness"))))
-    assert as_the_whole_spring(baseline.stated(baseline.fit), baseline.fit) is baseline.fit
-    assert baseline.fit.values["pendulum_stiffness.g"].value == pytest.approx(0.5 * K, rel=0.05)
 
 
 @pytest.mark.slow
