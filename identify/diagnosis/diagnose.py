@@ -38,7 +38,7 @@ from identify.judging.releases_differ import (
 )
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import InPlace, candidate_terms, singles
-from identify.judging.verdict import HEADLINES, Judgement, Verdict, may_hide_anything, too_few_cycles
+from identify.judging.verdict import Judgement, Verdict, headline_of, may_hide_anything, too_few_cycles
 from identify.model.model import Model, base_model
 from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide
 from identify.planning.next_release import Limits, NextRelease, next_release
@@ -205,8 +205,9 @@ class Diagnosis(Summarised):
             for suspect in self.suspects[:_SHOWN]
         ]
         named = f": {' and '.join(self.named)}" if self.named else ""
+        undecided = self.confirmation is not None and bool(self.confirmation.undecided)
         return Summary(
-            f"{HEADLINES[self.verdict]}{named}",
+            f"{headline_of(self.verdict, undecided=undecided)}{named}",
             (
                 self.explanation,
                 *(

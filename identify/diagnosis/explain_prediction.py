@@ -25,8 +25,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         sentences.append(
             f"The missing effect is {plain_name(suspect.effect.name)}, which changes {_KINDS[effect.explains]} with the "
             f"amplitude: the prediction error falls from {three_figures(effect.before)} to "
-            f"{three_figures(effect.after)} % of the motion. The odds against a drift of the rig, or a law outside the "
-            f"library, are {odds_words(effect.nats)}{alike}."
+            f"{three_figures(effect.after)} % of the motion. The odds against a random walk of the rig, or a law outside "
+            f"the library, are {odds_words(effect.nats)}{alike}."
         )
     predicted = [_prediction(found)] * (len(sentences) == len(found.effects))
     return " ".join([*sentences, *predicted, *_undecided(found)])
@@ -42,9 +42,9 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
     predicted = f"The model predicts {basis} with an error of {size} % of its motion."
-    said = [*filter(None, nearly), predicted, *_undecided(found)]
+    said = [*filter(None, nearly), *_undecided(found), predicted]
     if len(said) == 1:
-        said.append("No effect of the library explains it better than a drift of the rig would.")
+        said.append("No effect of the library explains it better than a random walk of the rig would.")
     return " ".join(said)
 
 
@@ -95,15 +95,12 @@ def _prediction(found: Confirmation) -> str:
 
 
 def _undecided(found: Confirmation) -> list[str]:
-    """Say what changes although no effect is named for it, and which release would decide."""
-    sentences, too = [], " too" if found.effects else ""
-    another = "a second release" if found.one_record else "another release"
+    """Say what changes although no effect is named for it, and which effects would explain that."""
+    sentences, too = [], ", too," if found.effects else ""
     for what, names in found.undecided.items():
-        alike = f"{_among(names)} {'explain it equally well' if len(names) > 1 else 'would explain it'}"
-        sentences.append(
-            f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
-            "amplitude distinguishes a change with time from one with amplitude."
-        )
+        several = len(names) > 1
+        doubt = "which are not distinguishable here" if several else "but not surely enough for a name"
+        sentences.append(f"{_KINDS[what].capitalize()} changes{too} as by {_among(names, 'or')}, {doubt}.")
     return sentences
 
 

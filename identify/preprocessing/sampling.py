@@ -20,6 +20,9 @@ _AROUND = 0.1
 _MOST_OF_IT = 0.5
 """A motion is an oscillation where so much of its power lies within so much of one frequency."""
 
+_SLOWEST = 2
+"""Cycles in the record up to which power is a drift's."""
+
 
 def too_coarse(values: Array, rate: float, derivative: int) -> str:
     """Say why an oscillation cannot be followed at its `rate` (Hz); "" where it can.
@@ -38,7 +41,7 @@ def too_coarse(values: Array, rate: float, derivative: int) -> str:
 def _oscillates(values: Array, rate: float, frequency: float) -> bool:
     power = np.abs(np.fft.rfft((values - np.mean(values)) * np.hanning(len(values)))) ** 2
     bins = np.fft.rfftfreq(len(values), 1.0 / rate)
-    moving = bins > 0.3 * frequency
+    moving = np.arange(len(bins)) > _SLOWEST
     near = np.abs(bins - frequency) < _AROUND * frequency
     return bool(power[near].sum() > _MOST_OF_IT * max(float(power[moving].sum()), 1e-300))
 

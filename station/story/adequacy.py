@@ -13,6 +13,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
+from identify.judging.verdict import may_hide_anything
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
@@ -34,8 +35,8 @@ class Adequacy:
     """The identified model fitted to its own record and simulated from the release, with its errors.
 
     `adequate` says whether the noise floor is reached. `apart` is the parameter in which the two methods are farthest apart,
-    in words, with the distance in standard errors `sigmas`. `doubt` is what its clock, or the verdict on the recording,
-    holds against every value of it; "" for nothing.
+    in words, with the distance in standard errors `sigmas`. `doubt` is what its clock, its noise, or the verdict on the
+    recording holds against every value of it; "" for nothing.
     """
 
     fit: Fit
@@ -90,8 +91,10 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     apart, sigmas = farthest(methods)
     off = (prepared.window.rate_std or 0.0) / prepared.window.rate
     of_clock = "" if off <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * off:.2g} %"
+    guessed = "the noise is only a guess, and any model would pass"
+    of_noise = guessed if may_hide_anything(baseline, baseline.fit) else ""
     fit, error = baseline.stated(baseline.fit), errors_of(baseline)
-    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock)
+    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise)
 
 
 def farthest(methods: Sequence[Method]) -> tuple[str, float]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from identify.formatting import DASH, among, plain_name, three_figures
-from identify.judging.verdict import HEADLINES
+from identify.judging.verdict import headline_of
 from identify.priors import CLEAR
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import (
@@ -26,6 +26,9 @@ TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"
 MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
+_MOST_OF_IT = 0.5
+"""Share of the residual that a free-form force must explain to be added as a measured curve."""
+
 NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
     "named": "The evidence suffices for a name",
@@ -39,7 +42,8 @@ DECIDED = {
 
 def headline(document: DiagnosisDocument) -> str:
     """Write the verdict in one line."""
-    verdict = HEADLINES[document.verdict].upper()
+    undecided = document.confirmation is not None and bool(document.confirmation.undecided)
+    verdict = headline_of(document.verdict, undecided=undecided).upper()
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
@@ -103,7 +107,10 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
 
 
 def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
-    """Say on how many of the parts that were left out a suspect predicts better, in a word or two; "-" if not asked."""
+    """Say on how many of the parts that were left out what is named predicts better, or how likely a suspect is beside it.
+
+    "-" if not asked.
+    """
     found = document.confirmation
     if found is None or suspect.confirmed is None:
         return DASH
@@ -111,8 +118,10 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     if effect is not None:
         return f"{effect.better} of {effect.parts}"
     if any(suspect.effect in e.rivals for e in found.effects):
-        return "nearly"
-    return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
+        return "as likely"
+    return (
+        "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "less likely"
+    )
 
 
 def evidence(decided: DecidedDocument) -> Table:
@@ -278,7 +287,7 @@ def next_command(document: DiagnosisDocument, folders: list[Path]) -> tuple[str 
     """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
     if document.named and document.verdict in ("missing_effect", "sensor_fault"):
         return ("refine", folders[0], *(word for name in document.named for word in ("--add", name)))
-    shaped = document.shape is not None and document.shape.coordinates
+    shaped = document.shape is not None and document.shape.explained > _MOST_OF_IT
     if document.verdict == "unknown_effect" and shaped and MEASURED_CURVE not in document.model.effects:
         return ("refine", folders[0], "--add", MEASURED_CURVE)
     if document.verdict == "nothing_missing":

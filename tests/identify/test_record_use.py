@@ -77,6 +77,15 @@ def test_ten_readings_a_second_of_a_quick_motion_are_refused_with_the_rate_that_
     assert f"Record at {20 * frequency:.0f} Hz or faster." in said
 
 
+def test_a_ripple_beside_a_slow_motion_is_not_what_must_be_sampled_faster():
+    time, random = np.arange(0.0, 37.0, 0.1), np.random.default_rng(2)
+    slow = 0.1 * np.exp(-0.05 * time) * np.cos(2.0 * np.pi * 0.112 * time)
+    ripple = 0.01 * np.cos(2.0 * np.pi * 4.94 * time)
+    with pytest.raises(NotIdentifiable) as refused:
+        prepare(FreeDecay(10.0, slow + ripple + 0.003 * random.standard_normal(len(time))))
+    assert "readings a second" not in str(refused.value)
+
+
 def test_noise_alone_is_not_put_down_to_the_sampling():
     random = np.random.default_rng(1)
     with pytest.raises(NotIdentifiable) as refused:

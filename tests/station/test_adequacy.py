@@ -160,6 +160,17 @@ def test_values_are_quoted_only_where_the_sampling_rate_is_known_to_half_a_perce
     assert stiffness.std >= 2 * share * stiffness.value  # the square of the rate
 
 
+def test_where_any_model_would_pass_no_value_is_quoted():
+    """A slow camera whose reading wavers: of its noise nothing is known, and so 5 % of the motion may all be noise."""
+    time, random = np.arange(120) / 12.0, np.random.default_rng(0)
+    waver = np.convolve(random.standard_normal(124), np.full(5, 0.2), "valid")
+    angle = 0.8 * np.exp(-0.05 * time) * np.cos(2.0 * np.pi * time) + 0.04 * waver
+    seen = adequacy(prepare(FreeDecay(12.0, angle, unit="rad")), [found(1, k=39.5)])
+    assert seen.adequate
+    assert not seen.quotable
+    assert "only a guess, and any model would pass: do not quote its values" in judgement(seen)
+
+
 def test_gains_that_differ_leave_the_forces_uncertain():
     assert scale_doubt(Estimate(1.0003, 0.0001, "1")) == ""
     assert scale_doubt(Estimate(1.01, 0.01, "1")) == ""
