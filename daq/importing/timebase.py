@@ -137,7 +137,7 @@ def _evenness(slope: float, stray: float, resampled: bool) -> str:
     if stray <= EVEN * slope:
         return f"rate {1 / slope:.6g} Hz from the time stamps, which are even"
     done = (
-        "the readings are rougher at their stamps or repeat each other, so the mean rate is used "
+        "the readings are smoother at even times than at their stamps, or repeat, so the mean rate is used "
         "(--resample uses the stamps)"
     )
     if resampled:

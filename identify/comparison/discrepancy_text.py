@@ -86,7 +86,8 @@ class DiscrepancyText:
         """Return the sentence and the unit of the amplitude."""
         unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
         alone = f"the {channel} alone" if len(channels) == 1 else " and ".join(channels)
-        text = f"at {quantity(frequency)} there is a line of {scaled(amplitude, unit)} in the {channel} that the model lacks"
+        size = scaled(amplitude, unit)
+        text = f"at {quantity(frequency)} the {channel} has an oscillation of {size} that the model lacks"
         return (f"{text}, seen in {alone}" if channels else text), unit
 
 

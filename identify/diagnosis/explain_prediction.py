@@ -38,10 +38,12 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     `before` is the reduced chi-square of the model.
     """
     size = three_figures(found.usual.typical("motion"))
-    others = "the other" if found.parts == 2 else "all the others"
-    basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
+    one, many = (
+        ("range of amplitudes", "ranges of amplitudes") if found.one_record else ("release", "releases")
+    )
+    others = f"the other {one if found.parts == 2 else many}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
-    predicted = f"The model predicts {basis} with an error of {size} % of its motion."
+    predicted = f"Fitted to {others}, the model predicts each {one} with an error of {size} % of the motion."
     said = [*filter(None, nearly), *_undecided(found), predicted]
     if len(said) == 1:
         said.append("No effect of the library explains it better than a random walk of the rig would.")
