@@ -26,12 +26,9 @@ def choose_order(
         if clearances[i] > CLEAR and misfits[i] < worth[i] * min(misfits[:i]):
             best = i
     if best == len(orders) - 1:
-        return orders[best], (
-            f"{what} of order {orders[best]}: its coefficient is {clearances[best]:.0f} standard errors "
-            "from zero, and no higher order was tried"
-            if best
-            else f"{what} of order {orders[0]}: no higher order was tried"
-        )
+        return orders[
+            best
+        ], f"{what} of order {orders[best]}: {_gain(orders, misfits, best)}no higher order was tried"
     following = best + 1
     away = clearances[following]
     far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"
@@ -43,8 +40,13 @@ def choose_order(
         )
     if best == 0:
         return orders[0], f"{what} of order {orders[0]} is enough: {why_not}"
+    return orders[best], f"{what} of order {orders[best]}: {_gain(orders, misfits, best)}{why_not}"
+
+
+def _gain(orders: Sequence[int], misfits: Sequence[float], best: int) -> str:
+    """Say what the order before the best one leaves of its misfit; "" for the lowest."""
+    if best == 0:
+        return ""
     times = misfits[best - 1] / max(misfits[best], 1e-300)
     size = three_figures(times) if times < 1000.0 else "over 1000"
-    return orders[best], (
-        f"{what} of order {orders[best]}: order {orders[best - 1]} leaves {size} times its misfit; {why_not}"
-    )
+    return f"order {orders[best - 1]} leaves {size} times its misfit; "
