@@ -211,10 +211,11 @@ def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest:
     if onset is not None and onset.misfit < 0.5 * onset.misfit_without:
         return onset
     before = coarse[max(first + stop - round(turn), 0) : first + stop - round(0.1 * turn)]
-    if stop - begin < 0.1 * turn or len(before) < 5:
+    if stop - begin < 0.1 * turn or len(before) < 4:
         return None
     after = coarse[last - round(turn) : last]
-    if any(size(before, turn) > SWINGS * size(after, turn) for size in (_scatter, _swing)):
+    sizes = (_scatter, _swing) if len(before) > 0.5 * turn else (_scatter,)
+    if any(size(before, turn) > SWINGS * size(after, turn) for size in sizes):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
     return Onset(around, 0.05 * period, level, 0.0, 0.0, 0.0)
