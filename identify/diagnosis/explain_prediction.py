@@ -44,7 +44,7 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     others = f"the other {one if found.parts == 2 else many}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
     predicted = f"Fitted to {others}, the model predicts each {one} with an error of {size} % of the motion."
-    said = [*filter(None, nearly), *_undecided(found), predicted]
+    said = [*_undecided(found), *filter(None, nearly), predicted]
     if len(said) == 1:
         said.append("No effect of the library explains it better than a random walk of the rig would.")
     return " ".join(said)
@@ -98,11 +98,15 @@ def _prediction(found: Confirmation) -> str:
 
 def _undecided(found: Confirmation) -> list[str]:
     """Say what changes although no effect is named for it, and which effects would explain that."""
-    sentences, too = [], ", too," if found.effects else ""
+    sentences, too = [], ", too" if found.effects else ""
     for what, names in found.undecided.items():
-        several = len(names) > 1
-        doubt = "which are not distinguishable here" if several else "but not surely enough for a name"
-        sentences.append(f"{_KINDS[what].capitalize()} changes{too} as by {_among(names, 'or')}, {doubt}.")
+        doubt = (
+            "and this record cannot tell which" if found.one_record else "and these records cannot tell which"
+        )
+        doubt = doubt if len(names) > 1 else "but not surely enough for a name"
+        sentences.append(
+            f"{_KINDS[what].capitalize()} changes{too}: {_among(names, 'or')} would explain it, {doubt}."
+        )
     return sentences
 
 

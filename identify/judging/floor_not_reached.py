@@ -126,13 +126,9 @@ def agree(found: Confirmation, whole: Fit) -> bool:
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Name what the curves confirm, with their evidence.
-
-    Laws of time that no curve shows keep their claim where they are as good in one record.
-    """
+    """Name what the curves confirm, with their evidence; laws of time that are as good in one record keep their claim."""
     own = next((e for e in ranked if found.one_record and (e.name,) == found.names), None)
-    alike = () if own is None else _as_good(own, ranked)
-    drifting = tuple(e for e in alike if e.term.effect.of_time and not found.has_law(e.name))
+    drifting = () if own is None else tuple(e for e in _as_good(own, ranked) if e.term.effect.of_time)
     first = tuple(
         Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )

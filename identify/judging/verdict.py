@@ -41,7 +41,7 @@ HEADLINES: dict[Verdict, str] = {
 def headline_of(verdict: Verdict, *, undecided: bool) -> str:
     """Write a verdict in a few words; `undecided` says that curves show effects of which none is sure enough for a name."""
     if verdict == "unconfirmed" and undecided:
-        return "Something is missing, and which effect is undecided"
+        return "Something is missing, and no effect is sure enough for a name"
     return HEADLINES[verdict]
 
 

@@ -35,9 +35,6 @@ LEAD_S = 0.015
 AT_REST, NOISY = 0.02, 1.5
 """What comes before a rise is at rest up to this share of its amplitude, or up to so many times the noise."""
 
-SWINGS = 0.6
-"""Share of its later amplitude from which on the mass swung before a change of force: that was no release."""
-
 
 @dataclass(frozen=True)
 class Release:
@@ -211,26 +208,14 @@ def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest:
     if onset is not None and onset.misfit < 0.5 * onset.misfit_without:
         return onset
     before = coarse[max(first + stop - round(turn), 0) : first + stop - round(0.1 * turn)]
-    if stop - begin < 0.1 * turn or len(before) < 4:
-        return None
-    after = coarse[last - round(turn) : last]
-    sizes = (_scatter, _swing) if len(before) > 0.5 * turn else (_scatter,)
-    if any(size(before, turn) > SWINGS * size(after, turn) for size in sizes):
+    if (
+        stop - begin < 0.1 * turn
+        or len(before) < 4
+        or np.std(without_line(before)) > 0.6 * np.std(without_line(coarse[last - round(turn) : last]))
+    ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
     return Onset(around, 0.05 * period, level, 0.0, 0.0, 0.0)
-
-
-def _scatter(values: Array, _: float) -> float:
-    """Return the standard deviation of a stretch (n,) beside a line."""
-    return float(np.std(without_line(values)))
-
-
-def _swing(values: Array, turn: float) -> float:
-    """Return the amplitude of a swing of `turn` samples beside a line, in a stretch (n,) of about as many."""
-    angle, ones = 2.0 * np.pi / turn * np.arange(len(values)), np.ones(len(values))
-    columns = np.column_stack([np.cos(angle), np.sin(angle), angle, ones])
-    return float(np.hypot(*np.linalg.lstsq(columns, values, rcond=None)[0][:2]))
 
 
 def _rest(

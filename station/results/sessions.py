@@ -25,7 +25,7 @@ from station.exits import UsageProblem
 from station.output import command_line, progress
 from station.results.kept_recipes import look_with_kept
 from station.results.session_names import session_folder
-from station.story.free_part import dies_away, free_from
+from station.story.free_part import free_from, goes_on
 from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
 
@@ -257,9 +257,9 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
     starts = [0, *(_begin(before, after) for before, after in pairwise(releases))]
     stops = [*starts[1:], recording.samples.shape[1]]
     pieces = [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)]
-    *ended, _ = pieces  # the last may be cut off
-    # of a driven motion half of the pieces die away by chance
-    if 3 * sum(dies_away(free_decay(piece, Options())) for piece in ended) < 2 * len(ended):
+    # Without the hand that pulls the mass again, and without the last, which may be cut off. Driven, half go on by chance.
+    motions = [cut(recording, one.index, one.end) for one in releases[:-1]]
+    if 3 * sum(goes_on(free_decay(motion, Options())) for motion in motions) > len(motions):
         return [recording], (
             f"{len(releases)} beginnings of a motion found, many of which do not die away, as where it is driven or "
             "beats: the file is one session",

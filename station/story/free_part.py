@@ -26,10 +26,13 @@ HELD = 0.95
 FEWEST_PERIODS = 4.0
 
 
-def dies_away(decay: FreeDecay) -> bool:
-    """Check whether the motion of a record, or of a piece, falls to the end; half the span of a period is its amplitude."""
+def goes_on(decay: FreeDecay) -> bool:
+    """Check whether the motion of a record, or of a piece, is seen not to fall; half the span of a period is its amplitude.
+
+    Of fewer than four periods that is not known, and so not said.
+    """
     found = _amplitudes(decay)
-    return found is not None and not _goes_on(found[0], float(found[0].max()))
+    return found is not None and _goes_on(found[0], float(found[0].max()))
 
 
 def free_from(decay: FreeDecay) -> tuple[int, str] | None:

@@ -107,10 +107,7 @@ def residuals(document: DiagnosisDocument, most: int = MOST_SUSPECTS, *, full: b
 
 
 def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
-    """Say on how many of the parts that were left out what is named predicts better, or how likely a suspect is beside it.
-
-    "-" if not asked.
-    """
+    """Say on how many of the parts that were left out a suspect predicts better, in a word or two; "-" if not asked."""
     found = document.confirmation
     if found is None or suspect.confirmed is None:
         return DASH
@@ -118,10 +115,10 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     if effect is not None:
         return f"{effect.better} of {effect.parts}"
     if any(suspect.effect in e.rivals for e in found.effects):
-        return "as likely"
-    return (
-        "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "less likely"
-    )
+        return "nearly"
+    if any(suspect.effect in names for names in found.undecided.values()):
+        return "undecided"
+    return "less likely" if found.effects else "no"
 
 
 def evidence(decided: DecidedDocument) -> Table:

@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from decays_in_closed_form import coulomb, exponential
-from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
@@ -341,16 +340,3 @@ def test_a_release_that_was_seen_is_found_before_lost_readings(gap: tuple[float,
     assert found.kind == "displaced"
     assert found.time_s == pytest.approx(5.0, abs=0.03)
     assert found.rest[1] > 200
-
-
-def test_a_swing_that_a_camera_follows_badly_was_not_let_go_in_its_first_cycle() -> None:
-    """Nine tenths of a cycle, less a line, scatter half as much as a whole one: they are no rest."""
-    time, random = np.arange(540) / 30.0, np.random.default_rng(62)
-    phase = random.uniform(0.0, 2.0 * np.pi)
-    run = solve_ivp(
-        lambda t, y: [y[1], -37.4 * np.sin(y[0]) - 0.03 * y[1]],
-        (0.0, 18.0), [0.83 * np.cos(phase), -4.5 * np.sin(phase)], t_eval=time, rtol=1e-9,
-    )  # fmt: skip
-    waver = np.convolve(random.standard_normal(546), np.ones(7) / 7.0, "valid")
-    found = release_of(FreeDecay(30.0, run.y[0] + 0.2 * waver, unit="rad"))
-    assert (found.kind, found.index) == ("in_motion", 0)
