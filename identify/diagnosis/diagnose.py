@@ -205,9 +205,9 @@ class Diagnosis(Summarised):
             for suspect in self.suspects[:_SHOWN]
         ]
         named = f": {' and '.join(self.named)}" if self.named else ""
-        undecided = self.confirmation is not None and bool(self.confirmation.undecided)
+        found = self.confirmation
         return Summary(
-            f"{headline_of(self.verdict, undecided=undecided)}{named}",
+            f"{headline_of(self.verdict, undecided=bool(found and found.undecided))}{named}",
             (
                 self.explanation,
                 *(

@@ -38,12 +38,11 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     `before` is the reduced chi-square of the model.
     """
     size = three_figures(found.usual.typical("motion"))
-    one, many = (
-        ("range of amplitudes", "ranges of amplitudes") if found.one_record else ("release", "releases")
-    )
-    others = f"the other {one if found.parts == 2 else many}"
+    part, parts = ("range", "ranges") if found.one_record else ("release", "releases")
+    of = " of amplitudes" if found.one_record else ""
+    others = f"the other {part if found.parts == 2 else parts}{of}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
-    predicted = f"Fitted to {others}, the model predicts each {one} with an error of {size} % of the motion."
+    predicted = f"Fitted to {others}, the model predicts each {part} with an error of {size} % of the motion."
     said = [*_undecided(found), *filter(None, nearly), predicted]
     if len(said) == 1:
         said.append("No effect of the library explains it better than a random walk of the rig would.")
@@ -100,9 +99,7 @@ def _undecided(found: Confirmation) -> list[str]:
     """Say what changes although no effect is named for it, and which effects would explain that."""
     sentences, too = [], ", too" if found.effects else ""
     for what, names in found.undecided.items():
-        doubt = (
-            "and this record cannot tell which" if found.one_record else "and these records cannot tell which"
-        )
+        doubt = f"and {'this record' if found.one_record else 'these records'} cannot tell which"
         doubt = doubt if len(names) > 1 else "but not surely enough for a name"
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}: {_among(names, 'or')} would explain it, {doubt}."

@@ -20,8 +20,8 @@ _AROUND = 0.1
 _MOST_OF_IT = 0.5
 """A motion is an oscillation where so much of its power lies within so much of one frequency."""
 
-_PART_OF_ALL = 0.2
-"""Share of all power, of more than two cycles in the record, below which it is a ripple on a slower motion."""
+_DRIFT, _PART_OF_ALL = 2, 0.2
+"""Cycles in the record up to which power is a drift's; share of the rest below which a ripple is on a slower motion."""
 
 
 def too_coarse(values: Array, rate: float, derivative: int) -> str:
@@ -42,10 +42,8 @@ def _oscillates(values: Array, rate: float, frequency: float) -> bool:
     power = np.abs(np.fft.rfft((values - np.mean(values)) * np.hanning(len(values)))) ** 2
     bins = np.fft.rfftfreq(len(values), 1.0 / rate)
     near = float(power[np.abs(bins - frequency) < _AROUND * frequency].sum())
-    quick, above_drift = (
-        float(power[which].sum()) for which in (bins > 0.3 * frequency, np.arange(len(bins)) > 2)
-    )
-    return near > max(_MOST_OF_IT * quick, _PART_OF_ALL * above_drift, 1e-300)
+    quick, swinging = float(power[bins > 0.3 * frequency].sum()), float(power[_DRIFT + 1 :].sum())
+    return near > max(_MOST_OF_IT * quick, _PART_OF_ALL * swinging, 1e-300)
 
 
 LONG_GAP = 0.5

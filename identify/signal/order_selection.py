@@ -25,10 +25,9 @@ def choose_order(
     for i in range(1, len(orders)):
         if clearances[i] > CLEAR and misfits[i] < worth[i] * min(misfits[:i]):
             best = i
+    chosen = f"{what} of order {orders[best]}"
     if best == len(orders) - 1:
-        return orders[
-            best
-        ], f"{what} of order {orders[best]}: {_gain(orders, misfits, best)}no higher order was tried"
+        return orders[best], f"{chosen}: {_gain(orders, misfits, best)}no higher order was tried"
     following = best + 1
     away = clearances[following]
     far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"
@@ -39,8 +38,8 @@ def choose_order(
             f"{100 * misfits[following] / max(misfits[best], 1e-300):.0f} % of it"
         )
     if best == 0:
-        return orders[0], f"{what} of order {orders[0]} is enough: {why_not}"
-    return orders[best], f"{what} of order {orders[best]}: {_gain(orders, misfits, best)}{why_not}"
+        return orders[0], f"{chosen} is enough: {why_not}"
+    return orders[best], f"{chosen}: {_gain(orders, misfits, best)}{why_not}"
 
 
 def _gain(orders: Sequence[int], misfits: Sequence[float], best: int) -> str:

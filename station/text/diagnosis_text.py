@@ -42,8 +42,8 @@ DECIDED = {
 
 def headline(document: DiagnosisDocument) -> str:
     """Write the verdict in one line."""
-    undecided = document.confirmation is not None and bool(document.confirmation.undecided)
-    verdict = headline_of(document.verdict, undecided=undecided).upper()
+    found = document.confirmation
+    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided)).upper()
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
