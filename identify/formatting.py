@@ -110,6 +110,11 @@ def _after(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}".replace(" ", SPACE)
 
 
+def stiffness_name(order: int) -> str:
+    """Name the stiffness of an order."""
+    return "stiffness K" if order == 1 else f"stiffness of order {order}"
+
+
 def damping_name(order: int) -> str:
     """Name the damping coefficient of an order."""
     names = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")

@@ -6,7 +6,7 @@ from math import hypot
 
 from identify.clock_error import with_clock
 from identify.estimate import Estimate
-from identify.formatting import damping_name, quantity
+from identify.formatting import damping_name, quantity, stiffness_name
 from identify.free_decay import FreeDecay
 from identify.summary import Summarised
 from identify.units import unit_of
@@ -37,10 +37,7 @@ class Identified(Summarised):
     @property
     def parameters(self) -> dict[str, Estimate]:
         """Each stiffness and damping coefficient, by its name with its order."""
-        found = {
-            "stiffness K" if order == 1 else f"stiffness of order {order}": value
-            for order, value in self.stiffness_by_order.items()
-        }
+        found = {stiffness_name(order): value for order, value in self.stiffness_by_order.items()}
         return found | {damping_name(order): value for order, value in enumerate(self.damping)}
 
     @property

@@ -1,7 +1,8 @@
 """The window that the restoring force is fitted on: the motion, where it is free and large, and its noise."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,16 @@ class ForceWindow:
         """Time (s) by which all reversals may be placed too late alike: the least of it stays after all care."""
         share = _LATE_ALONE if self.blur else _LATE
         return share * 2 * np.pi / self.angular_frequency
+
+    def about_rest(self) -> Self:
+        """Return the window with displacements counted from the rest position: their mean under a smooth window.
+
+        Powers of a displacement that is counted from elsewhere are not those of the law.
+        """
+        u = self.cut(self.motion.displacement)
+        weight = np.sin(np.pi * (np.arange(len(u)) + 0.5) / len(u)) ** 4
+        rest = np.average(u, weights=weight)
+        return replace(self, motion=replace(self.motion, displacement=self.motion.displacement - rest))
 
     def cut(self, values: Array) -> Array:
         """Return the window's part of `values`, which are as long as the motion."""

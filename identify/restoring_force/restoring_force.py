@@ -38,10 +38,11 @@ class RestoringForceResult(Identified):
     """The result of the restoring force surface.
 
     `stiffness_by_order` holds every displacement order that was kept, `damping` begins with sgn v; `offset` is the
-    constant force per unit mass. `mse_percent` is eq. (18), `significance_percent` eq. (19) by term name.
-    Points used, shape (n,): `time` (s, on the record's clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14)
-    and the surface there, `force_fit`. Sections at v = 0 and u = 0. `mass` is what a recorded force says of the mass, in
-    the force's unit over m/s^2, when none was given; None otherwise.
+    constant force per unit mass at the rest position. `mse_percent` is eq. (18), `significance_percent` eq. (19) by term
+    name. Points used, shape (n,): `time` (s, on the record's clock), `displacement` (from the rest position), `velocity`,
+    `force` (per unit mass, eq. 14) and the surface there, `force_fit`. Sections at v = 0 and
+    u = 0. `mass` is what a recorded force says of the mass, in the force's unit over m/s^2, when none was given; None
+    otherwise.
     """
 
     offset: Estimate
@@ -79,7 +80,7 @@ def identify_restoring_force(
     """
     decay, begins = block_averaged(aligned(decay))
     motion = reconstruct(decay)
-    window = window_of(decay, motion)
+    window = window_of(decay, motion).about_rest()
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable(

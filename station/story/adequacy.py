@@ -1,18 +1,21 @@
 """Whether the identified model explains its own record: this decides whether its values may be quoted."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import combinations
 from math import hypot
 
 from daq.clock_check import CLOCK_LIMIT
 from daq.manifest import Manifest
 from daq.quality import Grade
 from daq.reading_flags import Flag
+from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
+from identify.formatting import damping_name, stiffness_name
 from identify.judging.verdict import may_hide_anything
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -23,7 +26,7 @@ from station.story.residual import floor_words, residual_words
 Method = WaveletResult | RestoringForceResult
 
 FAR_APART = 4.0
-"""Standard errors from which on the two methods disagree."""
+"""Standard errors from which on two estimates disagree."""
 
 
 GAIN_WORTH_SAYING = 2e-3
@@ -34,9 +37,9 @@ GAIN_WORTH_SAYING = 2e-3
 class Adequacy:
     """The identified model fitted to its own record and simulated from the release, with its errors.
 
-    `adequate` says whether the noise floor is reached. `apart` is the parameter in which the two methods are farthest apart,
-    in words, with the distance in standard errors `sigmas`. `doubt` is what its clock, its noise, or the verdict on the
-    recording holds against every value of it; "" for nothing.
+    `adequate` says whether the noise floor is reached. `apart` is the parameter in which two of the estimates (by the
+    methods, by the simulation) are farthest apart, with the distance in standard errors `sigmas`. `doubt` is what its
+    clock, its noise, or the verdict on the recording holds against every value of it; "" for nothing.
     """
 
     fit: Fit
@@ -53,7 +56,7 @@ class Adequacy:
 
     @property
     def quotable(self) -> bool:
-        """Whether the values may be quoted: the recording is sound, the model explains it, and the methods agree."""
+        """Whether the values may be quoted: the recording is sound, the model explains it, and the estimates agree."""
         return not self.doubt and self.adequate and self.sigmas <= FAR_APART
 
 
@@ -88,22 +91,40 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     `doubt` is what the verdict on the recording holds against its values.
     """
     baseline = fit_baseline(segments_of(prepared), model_of_orders(*needed_orders(methods)))
-    apart, sigmas = farthest(methods)
     off = (prepared.window.rate_std or 0.0) / prepared.window.rate
     of_clock = "" if off <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * off:.2g} %"
     guessed = "the noise is only a guess, and any model would pass"
     of_noise = guessed if may_hide_anything(baseline, baseline.fit) else ""
     fit, error = baseline.stated(baseline.fit), errors_of(baseline)
+    apart, sigmas = farthest([*(method.parameters for method in methods), _simulated(fit, methods[0])])
     return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise)
 
 
-def farthest(methods: Sequence[Method]) -> tuple[str, float]:
-    """Find the parameter in which two methods differ most, in standard errors; ("", 0) with fewer than two methods."""
-    if len(methods) < 2:
-        return "", 0.0
-    first, other = (method.parameters for method in methods)
-    shared = [name for name in first if name in other and not name.startswith("stiffness of")]
-    sigmas, name = max((sigmas_apart(first[name], other[name]), name) for name in shared)
+def _simulated(fit: Fit, method: Method) -> dict[str, Estimate]:
+    """Return the estimates of a simulated model by the names of a method's own, stiffnesses with the mass as there."""
+    mass = method.stiffness.value / method.stiffness_per_mass.value
+    forces = [
+        (STIFFNESS_BY_ORDER[order], stiffness_name(order), mass) for order in sorted(STIFFNESS_BY_ORDER)
+    ]
+    forces += [(effect, damping_name(order), 1.0) for order, effect in enumerate(DAMPING_BY_ORDER)]
+    values = {term.effect.name: fit.parameters[str(term.strength)] for term in fit.model.forces}
+    return {
+        name: replace(
+            values[effect.name], value=values[effect.name].value * scale, std=values[effect.name].std * scale
+        )
+        for effect, name, scale in forces
+        if effect.name in values
+    }
+
+
+def farthest(estimates: Sequence[dict[str, Estimate]]) -> tuple[str, float]:
+    """Find the parameter in which two of some sets of estimates differ most, by name, and by how many standard errors."""
+    pairs = [
+        (sigmas_apart(one[name], other[name]), name)
+        for one, other in combinations(estimates, 2)
+        for name in one.keys() & other.keys()
+    ]
+    sigmas, name = max(pairs)
     return name, sigmas
 
 
@@ -120,7 +141,7 @@ def judgement(found: Adequacy) -> str:
     words = f"the identified model leaves {left} (noise alone: {floor_words(error.floor_std)})"
     if found.quotable:
         return f"{words}: its values may be quoted"
-    apart = f"the two methods are {found.sigmas:.0f} standard errors apart in {found.apart}"
+    apart = f"two estimates of {found.apart} are {found.sigmas:.0f} standard errors apart"
     why = "" if not found.adequate else f", but {found.doubt or apart}"
     return f"{words}{why}: do not quote its values"
 

@@ -74,6 +74,18 @@ def test_one_channel_is_enough(method, channel):
     assert found.damping[0].value == pytest.approx(TRUTH["mu_0"], rel=0.1)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_law_is_the_same_wherever_the_sensor_has_its_zero(method):
+    sample = draw("cubic_stiffness", 0.1, 9, amplitude=0.02, mu_0=0.01)
+    about_rest, far = (
+        method(FreeDecay(sample.rate, sample.displacement + zero), 3, (1, 3)).parameters
+        for zero in (0.0, 0.1)
+    )
+    for name, value in about_rest.items():
+        assert abs(far[name].value - value.value) < 0.1 * value.std
+        assert far[name].std == pytest.approx(value.std, rel=0.05)
+
+
 def test_the_wavelet_is_not_misled_by_an_accelerometer_that_clips_through_half_of_the_decay():
     decay = release(5, amplitude=0.02)
     clipped = decay.with_(acceleration=np.clip(decay.acceleration, -3.0, 3.0))

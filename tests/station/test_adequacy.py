@@ -19,6 +19,8 @@ from identify.free_decay import FreeDecay
 from identify.identified import Identified
 from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.prepared_decay import prepare
+from identify.restoring_force.restoring_force import identify_restoring_force
+from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 from station.cli import run
 from station.story.adequacy import (
@@ -46,11 +48,13 @@ def found(order, k=600.0, mu_0=0.1, cubic=None):
 
 @pytest.fixture(scope="module")
 def releases():
-    """A release of the plain bench, and one with friction that rises at low speed; with their truth."""
+    """A release of the plain bench, one with friction that rises at low speed; what the methods find, and the truth."""
     made = {}
     for name, effect, strength in (("plain", None, 0.0), ("hidden", "stribeck_friction", 0.02)):
         sample = draw(effect, strength, 3)
-        made[name] = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration)), sample.truth
+        decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
+        methods = [identify_wavelet(decay), identify_restoring_force(decay)]
+        made[name] = prepare(decay), methods, sample.truth
     return made
 
 
@@ -71,10 +75,11 @@ def test_the_model_has_the_orders_that_were_found():
 
 
 def test_methods_that_disagree_are_named_with_their_distance():
-    name, sigmas = farthest([found(1), found(1, mu_0=0.11)])
+    name, sigmas = farthest([found(1).parameters, found(1).parameters, found(1, mu_0=0.11).parameters])
     assert sigmas == pytest.approx(0.01 / math.hypot(0.001, 0.001))
     assert name.startswith(("dry friction", "viscous"))
-    assert farthest([found(1)]) == ("", 0.0)
+    bent = [found(1, cubic=Estimate(k_3, 1.0, "1/(s^2 m^2)")).parameters for k_3 in (-6.0, -70.0)]
+    assert farthest(bent)[0] == "stiffness of order 3"
 
 
 def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
@@ -91,15 +96,15 @@ def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
     assert "x: spike" in recording_doubt(sealed.model_copy(update={"flags": (run,)}))
     doubt = recording_doubt(sealed.model_copy(update={"verdict": verdicts[Grade.REJECT]}))
     assert doubt == "the recording is REJECT (x is stuck)"
-    judged = adequacy(releases["plain"][0], [found(1), found(1)], doubt)
+    judged = adequacy(*releases["plain"][:2], doubt)
     assert judged.adequate
     assert not judged.quotable
     assert judgement(judged).endswith("but the recording is REJECT (x is stuck): do not quote its values")
 
 
 def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
-    prepared, truth = releases["plain"]
-    judged = adequacy(prepared, [found(1), found(1)])
+    *found_by_methods, truth = releases["plain"]
+    judged = adequacy(*found_by_methods)
     assert judged.quotable
     assert judgement(judged).endswith("may be quoted")
     values = {one.name: one for one in engineering_values(judged.fit, Weighing(MASS))}
@@ -129,10 +134,21 @@ def test_a_bench_with_a_hidden_force_may_not_be_quoted(releases):
 
 
 def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other(releases):
-    judged = adequacy(releases["plain"][0], [found(1), found(1, mu_0=0.2)])
+    prepared, (wavelet, force), _ = releases["plain"]
+    off = replace(force, damping=(replace(force.damping[0], value=0.2), force.damping[1]))
+    judged = adequacy(prepared, [wavelet, off])
     assert judged.adequate
     assert not judged.quotable
-    assert "standard errors apart in" in judgement(judged)
+    assert "two estimates of dry friction mu_0 are" in judgement(judged)
+
+
+def test_one_method_is_not_quoted_where_the_simulation_contradicts_it(releases):
+    prepared, (wavelet, _), _ = releases["plain"]
+    assert adequacy(prepared, [wavelet]).quotable
+    k = replace(wavelet.stiffness, value=1.5 * wavelet.stiffness.value)
+    assert not adequacy(
+        prepared, [replace(wavelet, stiffness_by_order={1: k}, stiffness_per_mass=k)]
+    ).quotable
 
 
 def test_a_linear_spring_that_alone_would_not_oscillate_has_a_damping_ratio_and_no_decrement():
@@ -153,7 +169,7 @@ def test_a_linear_spring_that_alone_would_not_oscillate_has_a_damping_ratio_and_
 def test_values_are_quoted_only_where_the_sampling_rate_is_known_to_half_a_percent(releases, share, quoted):
     prepared = releases["plain"][0]
     timed = replace(prepared, window=replace(prepared.window, rate_std=share * prepared.window.rate))
-    judged = adequacy(timed, [found(1), found(1)])
+    judged = adequacy(timed, releases["plain"][1])
     assert judged.quotable is quoted
     assert quoted or f"the sampling rate may be off by {100 * share:g} %: do not quote" in judgement(judged)
     stiffness = {one.name: one.value for one in engineering_values(judged.fit, Weighing(MASS))}["stiffness K"]
