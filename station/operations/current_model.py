@@ -60,7 +60,7 @@ def first_model(
 def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return the model of a step of a ladder, with its values."""
     known = known_model(step.model, "the ladder", library)
-    return replace(known, words=step.begun_with or f"the {step.name}")
+    return replace(known, words=step.begun_with or f"the {step.name}", nuisances=step.nuisances)
 
 
 def kept_identification(session: Session) -> KeptIdentification | None:

@@ -104,6 +104,16 @@ def test_a_suspect_is_nothing_that_the_model_has_and_nothing_is_missing(chosen, 
     assert document["verdict"] == "nothing_missing"
 
 
+def test_a_fit_begins_again_with_what_the_release_had_of_its_own_and_other_releases_do_not(chosen):
+    refinement = open_refinement(chosen, Settings())
+    add(refinement, "second_mass")
+    known, prepared = current_model((chosen,)), refinement.prepared
+    begun = known.start((prepared,))
+    assert known.nuisances
+    assert begun.items() >= known.nuisances.items()
+    assert not known.start((prepared, prepared)).items() & known.nuisances.items()
+
+
 def test_one_record_has_one_floor_whatever_model_is_judged(chosen, capsys):
     """A model that explains the record knows its noise better; the floor that is stated does not narrow with it."""
     width = prepare_session(chosen, Settings()).floor_std
