@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
@@ -109,8 +110,16 @@ class Diagnosis(Summarised):
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The hypotheses that are still open, the likeliest first, weighed when asked for."""
         walk = None if self.named else self.walk
+        seen = self.confirmation.undecided.values() if self.confirmation and not self.named else ()
         return hypotheses_of(
-            self.baseline, self.suspects, self.named, self.final, self.shape, walk, self.places
+            self.baseline,
+            self.suspects,
+            self.named,
+            self.final,
+            self.shape,
+            walk,
+            self.places,
+            {*chain(*seen)},
         )
 
     @cached_property

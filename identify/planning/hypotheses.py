@@ -1,6 +1,6 @@
 """The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law outside the library; their odds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -75,12 +75,13 @@ def hypotheses_of(
     shape: NonparametricForce | None = None,
     walk: RandomWalk | None = None,
     places: Sequence[InPlace] = (),
+    undecided: Collection[str] = (),
 ) -> tuple[Hypothesis, ...]:
     """List the hypotheses, the likeliest first, with the evidence that ranks them (`marginal_likelihood`).
 
-    `named` is what the verdict names, fitted in `final`; `places` say what was tried in the place of each of several.
-    Where nothing is claimed they are forces that another amplitude may show: the closest ones, and those for which a
-    detection limit is stated.
+    `named` is what the verdict names, fitted in `final`; `places` say what was tried in the place of each of several;
+    `undecided` are the effects among which curves could not decide. Where nothing is claimed they are forces that another
+    amplitude may show: the closest ones, and those for which a detection limit is stated.
     """
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
@@ -92,7 +93,7 @@ def hypotheses_of(
         elif suspects[0].corrected is not None:  # the usual model without it was not fitted
             del found[()]
         found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
-    quiet = not named and not any(suspect.claimed for suspect in suspects)
+    quiet = not named and not undecided and not any(suspect.claimed for suspect in suspects)
     scales = baseline.scales
     recorded = replace(scales, duration=max(map(_recorded, baseline.decays)))
     for suspect in sorted(suspects, key=lambda one: (quiet and not _hides(one), one.fit.chi_square)):
@@ -100,7 +101,7 @@ def hypotheses_of(
         if suspect.corrected is not None or name in named:
             continue
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
-        if name in rivals or (few and (suspect.plausible or _is_bounded(suspect))):
+        if name in rivals or name in undecided or (few and (suspect.plausible or _is_bounded(suspect))):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
     # Most laws of a family follow a guessed floor.
     one_name = len(named) == 1 and baseline.floor_is_sure
@@ -119,9 +120,8 @@ def hypotheses_of(
         weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, unit), shape))
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk))
-    weighed = _agreeing(
-        weighed, {(), *((suspect.effect.name,) for suspect in suspects)}, named, rivals, quiet=quiet
-    )
+    judged = {(), *((suspect.effect.name,) for suspect in suspects)}
+    weighed = _agreeing(weighed, judged, named, rivals, undecided, quiet=quiet)
     highest = max(one.log_odds for one in weighed)
     weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
@@ -132,12 +132,19 @@ def _agreeing(
     judged: set[tuple[str, ...]],
     named: Sequence[str],
     rivals: Sequence[str],
+    undecided: Collection[str],
     *,
     quiet: bool,
 ) -> list[Hypothesis]:
-    """Set the odds of the hypotheses to agree with the verdict, as far as it judged; `quiet` where nothing is claimed."""
+    """Set the odds of the hypotheses to agree with the verdict, as far as it judged; `quiet` where nothing is claimed.
+
+    Effects among which nothing is decided are as probable as one another, and no other hypothesis is more so.
+    """
     nameless = [one.log_odds for one in weighed if not one.has_law]
-    if named:
+    if undecided:
+        ahead = _apart(len(weighed) - len(undecided))
+        weighed = [replace(one, log_odds=ahead * any(n in undecided for n in one.names)) for one in weighed]
+    elif named:
         weighed = [
             _as_judged(one, weighed, tuple(named), rivals) if one.names in judged else one for one in weighed
         ]

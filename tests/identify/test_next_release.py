@@ -12,7 +12,7 @@ from identify.fitting.problem import Problem
 from identify.model.model import Term
 from identify.planning.expected_evidence import _kept, _solve
 from identify.planning.experiment import Experiment, carried_over, window_of
-from identify.planning.hypotheses import odds
+from identify.planning.hypotheses import hypotheses_of, odds
 from identify.planning.next_release import Limits
 from identify.planning.so_far import SoFar
 from identify.planning.weighed_anew import weighed_anew
@@ -53,6 +53,16 @@ def test_between_shapes_of_a_spring_a_larger_amplitude_is_asked_for_and_not_the_
     assert chosen.best.nats > 10.0 * chosen.same.nats
     assert chosen.words.startswith("Release from ")
     assert "The same amplitude again would give odds " in chosen.words
+
+
+def test_effects_among_which_the_curves_cannot_decide_are_what_the_next_release_is_to_decide(small_cubic):
+    _, found = small_cubic
+    undecided = {"settling_stiffness", "hysteresis"}
+    listed = hypotheses_of(found.baseline, found.suspects, (), found.final, undecided=undecided)
+    assert {one.names for one in listed[:2]} == {(name,) for name in undecided}
+    chances = odds(listed)
+    assert chances[0] == pytest.approx(chances[1])
+    assert chances[2:].sum() <= DOUBT
 
 
 def test_no_release_is_asked_for_beyond_the_limits(small_cubic):
