@@ -23,7 +23,7 @@ from station.text.content import Paragraph, Part, Table, Told, Tone, facts
 from station.text.numbers import amplitude_words, typeset, typeset_unit, with_names
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
-MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
+MOST_SUSPECTS, FEW_SUSPECTS, MOST_RIVALS = 6, 3, 2
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 _MOST_OF_IT = 0.5
@@ -41,10 +41,18 @@ DECIDED = {
 
 
 def headline(document: DiagnosisDocument) -> str:
-    """Write the verdict in one line."""
+    """Write the verdict in one line, a single name with what is plausible and not distinguishable from it."""
     found = document.confirmation
     verdict = headline_of(document.verdict, undecided=bool(found and found.undecided)).upper()
-    return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
+    if not document.named:
+        return verdict
+    names = [plain_name(name) for name in document.named]
+    plausible = {one.effect for one in document.suspects if one.plausible} if len(names) == 1 else set()
+    rivals = [plain_name(name) for name in document.rivals if name in plausible]
+    said = f"{verdict}: {among(names)}"
+    if not rivals:
+        return said
+    return f"{said}, or {among(rivals, 'or') if len(rivals) <= MOST_RIVALS else f'one of {len(rivals)} others'}"
 
 
 def tone_of(document: DiagnosisDocument) -> Tone:
@@ -165,7 +173,7 @@ def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> li
     """Choose the suspects that are worth a line: what is named, the next ones, `most` in all, and the first two rivals."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
     most = max(min(most, claimed), len(document.named), min(3, most))
-    rivals = document.rivals[:2]
+    rivals = document.rivals[:MOST_RIVALS]
     return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in rivals]
 
 
