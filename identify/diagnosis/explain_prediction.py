@@ -42,7 +42,10 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     of = " of amplitudes" if found.one_record else ""
     others = f"the other {part if found.parts == 2 else parts}{of}"
     nearly = [_not_sure(one, before) for one in suspects[:1]]
-    predicted = f"Fitted to {others}, the model predicts each {part} with an error of {size} % of the motion."
+    predicted = (
+        f"Fitted to {others}, the model predicts the amplitude and the phase of each {part} with an error of {size} % of "
+        "the motion."
+    )
     said = [*_undecided(found), *filter(None, nearly), predicted]
     if len(said) == 1:
         said.append("No effect of the library explains it better than a random walk of the rig would.")

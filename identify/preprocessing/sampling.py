@@ -34,7 +34,7 @@ def too_coarse(values: Array, rate: float, derivative: int) -> str:
         return ""
     return (
         f"The record has {rate:.3g} readings a second of a motion at about {frequency:.2g} Hz, {rate / frequency:.2g} a "
-        f"cycle: too few to follow it. Record at {_ENOUGH * frequency:.0f} Hz or faster."
+        f"cycle: too few to follow it. Record at {max(round(_ENOUGH * frequency), 1)} Hz or faster."
     )
 
 

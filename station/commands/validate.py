@@ -20,7 +20,7 @@ def command(
 
     MODEL is a model file, or a session that was refined or diagnosed. Its
     physics is held; start, zero, lag, gain and offsets of each SESSION are
-    refitted, and the linear spring and viscous part within 1 % and 100 %;
+    refitted, its linear spring and viscous damper near the model's;
     what --varies says was changed is each SESSION's own.
     The usual model predicts under the same rule.
     """

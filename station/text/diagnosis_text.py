@@ -52,7 +52,9 @@ def headline(document: DiagnosisDocument) -> str:
     said = f"{verdict}: {among(names)}"
     if not rivals:
         return said
-    return f"{said}, or {among(rivals, 'or') if len(rivals) <= MOST_RIVALS else f'one of {len(rivals)} others'}"
+    return (
+        f"{said}, or {among(rivals, 'or') if len(rivals) <= MOST_RIVALS else f'one of {len(rivals)} others'}"
+    )
 
 
 def tone_of(document: DiagnosisDocument) -> Tone:

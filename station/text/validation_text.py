@@ -51,8 +51,8 @@ def _refitted(document: ValidationDocument) -> str:
     ]
     most = f" (largest change: {', '.join(moved)})" if moved else ""
     return (
-        "Start, zero, lag, gain and offsets of each session; the linear spring within 1 %, viscous damping within the "
-        f"mean loss{most}."
+        "Start, zero, lag, gain and offsets of each session, and its linear spring and viscous damper, which are kept near "
+        f"the model's{most}."
     )
 
 
