@@ -1,6 +1,7 @@
 """Releases of another bench: their stiffness is another by so much that no error of a fit explains it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,39 +11,57 @@ from identify.fitting.segments import part_of
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_OTHER_BENCH, _NONLINEAR = 1.3, 2.0
-"""Factor between two stiffnesses per mass from which on the benches are plainly different, at like amplitudes (on 11 rigs
-it is 1.07 at most) and at unlike ones, between which a spring may harden."""
+_OTHER_BENCH = 1.3
+"""Factor between two stiffnesses per mass, at like amplitudes, from which on the benches are plainly different: on 11 rigs
+it is 1.07 at most."""
 
-_LIKE = 1.5
-"""Ratio of two amplitudes up to which they are alike."""
+_STEEPER = 4.0
+"""Multiple of the change of stiffness with amplitude within a release by which it may change between two that never meet."""
 
 _FEWEST_CYCLES = 2.0
+
+
+@dataclass(frozen=True)
+class _Half:
+    """A part of a release: its stiffness by equation error, 1/s^2, and the logarithm of its amplitude."""
+
+    stiffness: float
+    size: float
 
 
 def other_benches(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
     """Return the places of the releases whose stiffness differs from the first's by more than that factor.
 
-    However large its error, unless the stiffness drifts as far within a release.
+    That holds however large its error, unless the stiffness changes as far within a release, or so steeply that it may
+    differ as much at an amplitude that the other release never comes to.
     """
-    ranges = [_stiffness_of(prepared) for prepared in decays]
-    sizes = [prepared.amplitude for prepared in decays]
-    alike = [max(size, sizes[0]) < _LIKE * min(size, sizes[0]) for size in sizes]
-    limits = [_OTHER_BENCH if one else _NONLINEAR for one in alike]
-    return tuple(i for i in range(1, len(ranges)) if _far(ranges[0], ranges[i], limits[i]))
+    first, *others = [_halves_of(prepared) for prepared in decays]
+    return tuple(i for i, other in enumerate(others, 1) if _far(first, other))
 
 
-def _far(first: tuple[float, float], other: tuple[float, float], limit: float) -> bool:
-    (_, low), (high, _) = sorted((first, other))
-    return high > limit * low
+def _far(first: Sequence[_Half], other: Sequence[_Half]) -> bool:
+    soft, stiff = sorted((first, other), key=lambda halves: min(half.stiffness for half in halves))
+    low, high = max(half.stiffness for half in soft), min(half.stiffness for half in stiff)
+    small, large = sorted((first, other), key=lambda halves: halves[0].size)
+    apart = max(large[-1].size - small[0].size, 0.0)
+    return bool(high > _OTHER_BENCH * low * np.exp(_STEEPER * apart * max(map(_slope, (first, other)))))
 
 
-def _stiffness_of(prepared: PreparedDecay) -> tuple[float, float]:
-    """Return the smallest and the largest stiffness, 1/s^2, of a decay and of its halves, by equation error."""
-    n, model = len(prepared.window), base_model()
-    parts = [prepared]
-    if n // 2 / prepared.window.rate * prepared.frequency / (2.0 * np.pi) >= _FEWEST_CYCLES:
-        parts += [part_of(prepared, slice(n // 2)), part_of(prepared, slice(n // 2, n))]
+def _slope(halves: Sequence[_Half]) -> float:
+    """Return the change of the logarithm of the stiffness with that of the amplitude."""
+    early, late = halves[0], halves[-1]
+    fall = max(early.size - late.size, _OTHER_BENCH - 1.0)
+    return abs(float(np.log(early.stiffness / late.stiffness))) / fall
+
+
+def _halves_of(prepared: PreparedDecay) -> list[_Half]:
+    """Return the halves of a release, or all of it where it is too short for two."""
+    n = len(prepared.window)
+    whole = n // 2 / prepared.window.rate * prepared.frequency / (2.0 * np.pi) < _FEWEST_CYCLES
+    parts = [prepared] if whole else [part_of(prepared, slice(n // 2)), part_of(prepared, slice(n // 2, n))]
+    model = base_model()
     name = str(model.linear_strength(LinearPart.STIFFNESS))
-    found = [initial_values((part,), model, {})[name] for part in parts]
-    return min(found), max(found)
+    return [
+        _Half(initial_values((part,), model, {})[name], float(np.log(np.std(part.motion.displacement))))
+        for part in parts
+    ]

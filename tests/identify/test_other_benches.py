@@ -23,11 +23,19 @@ def test_releases_of_one_bench_are_of_one_at_whatever_amplitude():
     assert other_benches([*decays, release(4, stiffness=0.969 * STIFFNESS)[0]]) == ()
 
 
-def test_a_spring_half_as_stiff_again_is_another_bench_and_of_another_amplitude_one_twice_as_stiff():
-    first = release(1)[0]
-    assert other_benches([first, release(2, stiffness=1.5 * STIFFNESS)[0]]) == (1,)
-    assert other_benches([first, release(2, stiffness=1.5 * STIFFNESS, amplitude=0.01)[0]]) == ()
-    assert other_benches([first, release(2, stiffness=2.2 * STIFFNESS, amplitude=0.01)[0]]) == (1,)
+@pytest.mark.parametrize("amplitude", [0.02, 0.01, 0.005])
+def test_a_spring_half_as_stiff_again_is_another_bench_at_whatever_amplitude(amplitude):
+    other = release(2, stiffness=1.5 * STIFFNESS, amplitude=amplitude)[0]
+    for seconds in (5.0, 1.5):  # within which the amplitudes meet, or not
+        assert other_benches([release(1, seconds=seconds)[0], other]) == (1,)
+
+
+def test_a_spring_that_softens_within_a_release_is_no_other_bench_at_an_amplitude_that_it_never_comes_to():
+    large = release(1, "cubic_stiffness", 0.4, seconds=1.5)[0]
+    small = release(2, stiffness=1.2 * STIFFNESS, amplitude=0.007)[0]
+    assert small.frequency**2 > 1.5 * large.frequency**2
+    assert other_benches([large, small]) == ()
+    assert other_benches([small, large]) == ()
 
 
 def test_a_spring_eight_times_as_stiff_is_another_bench_however_badly_the_usual_model_follows():
