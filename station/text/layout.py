@@ -1,6 +1,6 @@
 """The layout of a result in a terminal of 80 columns, and a clause as a sentence."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -96,27 +96,31 @@ def grid(table: Table, width: int) -> Grid:
     made = Grid(
         box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold", show_header=any(table.head)
     )
-    columns = []
-    for place, cells in enumerate(zip(table.head, *table.rows, strict=True)):
-        words = place < table.texts
-        parts = [
-            part for cell in cells for part in (_plain(cell).split() if words else _plain(cell).splitlines())
-        ]
-        columns.append((words, max(map(len, parts), default=0)))
-    room = width - 2 * (len(columns) - 1) >= sum(least for _, least in columns)
-    for name, (words, least) in zip(table.head, columns, strict=True):
-        # Without room, words keep their width: else rich folds them first, and cuts off the last column.
+    columns = [[_plain(cell) for cell in cells] for cells in zip(table.head, *table.rows, strict=True)]
+    texts = range(min(table.texts, len(columns)))
+    widths = [_longest(cells, str.splitlines) for cells in columns]
+    least = [_longest(columns[i], str.split) if i in texts else wide for i, wide in enumerate(widths)]
+    width -= 2 * (len(columns) - 1)
+    room = width >= sum(least)
+    for i in sorted(
+        texts, key=lambda i: least[i] - widths[i]
+    ):  # what folds gives way, none below its longest word
+        widths[i] -= min(widths[i] - least[i], max(sum(widths) - width, 0))
+    for i, (name, wide) in enumerate(zip(table.head, widths, strict=True)):
         made.add_column(
             Text(_plain(name)),
-            justify="left" if words else "right",
+            justify="left" if i in texts else "right",
             overflow="fold",
-            no_wrap=room and not words,
-            min_width=least if words else None,
-            width=least if words and not room else None,
+            no_wrap=room and i not in texts,
+            width=wide if room or i in texts else None,
         )
     for mark, row in table.marked:
         made.add_row(*(Text(_plain(cell), style=MARKS.get(mark, "")) for cell in row))
     return made
+
+
+def _longest(cells: Sequence[str], parted: Callable[[str], list[str]]) -> int:
+    return max((len(part) for cell in cells for part in parted(cell)), default=0)
 
 
 def labelled(label: str, text: str) -> Grid:

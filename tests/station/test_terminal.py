@@ -86,6 +86,20 @@ def test_the_last_column_of_a_wide_table_is_not_cut_off():
     assert all(word in written for number in numbers for word in number.split())
 
 
+def test_words_give_way_to_numbers_where_a_table_fills_the_line():
+    head = ("session", "this one\nis", "% of motion,\nusual model", "\nthis model", "times noise,\nusual model",
+            "\nthis model")  # fmt: skip
+    rows = (
+        ("pendulum_48deg_run", "better", "8.24", "5.14", "13.7", "8.57"),
+        ("b", "alike", "99", "9", "32", "327"),
+    )
+    said = io.StringIO()
+    show_parts(Console(file=said, width=80), [Table("", head, rows, texts=2)])
+    written = said.getvalue().split()
+    assert {"8.57", "327"} <= {*written}
+    assert written.count("model") == 4
+
+
 def test_words_beside_a_path_that_is_longer_than_a_line_are_printed_and_the_path_is_not_folded():
     path = f"/measurements/{'a' * 90}/spindle:"
     console = Console(width=80, file=io.StringIO())
