@@ -273,7 +273,8 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
     listed = [f"{plain_name(s.effect.name)} {_times(s.error_after)}" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
-        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more under a tenth of what the model leaves")
+        more = len(most) - _MOST_ALTERNATIVES
+        listed.append(f"{more} other{'s' if more > 1 else ''} nearly as little")
     others = f", {among(listed)}" if listed else ""
     left = _left(baseline, first.fit, first.error_after)
     return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"
