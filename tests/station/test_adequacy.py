@@ -187,6 +187,17 @@ def test_where_any_model_would_pass_no_value_is_quoted():
     assert "only a guess, and any model would pass: do not quote its values" in judgement(seen)
 
 
+def test_where_the_guessed_noise_is_far_above_all_that_is_left_no_value_is_quoted():
+    """Four readings a cycle look like noise to the estimate: a spring that loses 6 % passes beside that."""
+    time, random = np.arange(112) / 4.5, np.random.default_rng(0)
+    phase = 2.0 * np.pi * 1.07 * (time - 0.0006 * time**2)
+    reading = np.exp(-0.06 * time) * np.cos(phase) + 0.002 * random.standard_normal(112)
+    seen = adequacy(prepare(FreeDecay(4.5, reading)), [found(1, k=45.2)])
+    assert seen.adequate
+    assert seen.error.motion_percent > 0.7  # of a reading with 0.2 % of noise
+    assert "only a guess, and any model would pass: do not quote its values" in judgement(seen)
+
+
 def test_gains_that_differ_leave_the_forces_uncertain():
     assert scale_doubt(Estimate(1.0003, 0.0001, "1")) == ""
     assert scale_doubt(Estimate(1.01, 0.01, "1")) == ""
