@@ -33,7 +33,7 @@ def other_benches(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
     """Return the places of the releases whose stiffness differs from the first's by more than that factor.
 
     That holds however large its error, unless the stiffness changes as far within a release, or so steeply that it may
-    differ as much at an amplitude that the other release never comes to.
+    differ as much at an amplitude that the other release never reaches.
     """
     first, *others = [_halves_of(prepared) for prepared in decays]
     return tuple(i for i, other in enumerate(others, 1) if _far(first, other))

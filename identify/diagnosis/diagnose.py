@@ -110,7 +110,8 @@ class Diagnosis(Summarised):
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The hypotheses that are still open, the likeliest first, weighed when asked for."""
         walk = None if self.named else self.walk
-        seen = self.confirmation.undecided.values() if self.confirmation and not self.named else ()
+        open_ = self.confirmation if self.verdict == "unconfirmed" else None
+        seen = open_.undecided.values() if open_ is not None else ()
         return hypotheses_of(
             self.baseline,
             self.suspects,

@@ -141,9 +141,16 @@ def _agreeing(
     Effects among which nothing is decided are as probable as one another, and no other hypothesis is more so.
     """
     nameless = [one.log_odds for one in weighed if not one.has_law]
-    if undecided:
-        ahead = _apart(len(weighed) - len(undecided))
-        weighed = [replace(one, log_odds=ahead * any(n in undecided for n in one.names)) for one in weighed]
+    is_open = [any(name in undecided for name in one.names) for one in weighed]
+    if any(is_open):
+        least = _apart(len(weighed) - sum(is_open))
+        best = max(
+            (one.log_odds for one, is_one in zip(weighed, is_open, strict=True) if not is_one), default=0.0
+        )
+        weighed = [
+            replace(one, log_odds=0.0 if is_one else one.log_odds - best - least)
+            for one, is_one in zip(weighed, is_open, strict=True)
+        ]
     elif named:
         weighed = [
             _as_judged(one, weighed, tuple(named), rivals) if one.names in judged else one for one in weighed

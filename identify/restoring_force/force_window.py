@@ -51,15 +51,15 @@ class ForceWindow:
         share = _LATE_ALONE if self.blur else _LATE
         return share * 2 * np.pi / self.angular_frequency
 
-    def about_rest(self) -> Self:
-        """Return the window with displacements counted from the rest position: their mean under a smooth window.
-
-        Powers of a displacement that is counted from elsewhere are not those of the law.
-        """
+    @property
+    def middle(self) -> float:
+        """The mean displacement under a smooth window, to which both ends add nothing."""
         u = self.cut(self.motion.displacement)
-        weight = np.sin(np.pi * (np.arange(len(u)) + 0.5) / len(u)) ** 4
-        rest = np.average(u, weights=weight)
-        return replace(self, motion=replace(self.motion, displacement=self.motion.displacement - rest))
+        return float(np.average(u, weights=np.sin(np.pi * (np.arange(len(u)) + 0.5) / len(u)) ** 4))
+
+    def about(self, zero: float) -> Self:
+        """Return the window with displacements counted from one of them."""
+        return replace(self, motion=replace(self.motion, displacement=self.motion.displacement - zero))
 
     def cut(self, values: Array) -> Array:
         """Return the window's part of `values`, which are as long as the motion."""

@@ -19,6 +19,10 @@ from identify.signal.weak_form import place_windows
 from identify.summary import Summary
 
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
+_ROUNDS, _SETTLED = (
+    6,
+    1e-6,
+)  # fits about the rest position that the last one found; share of the motion that it may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +84,7 @@ def identify_restoring_force(
     """
     decay, begins = block_averaged(aligned(decay))
     motion = reconstruct(decay)
-    window = window_of(decay, motion).about_rest()
+    window = window_of(decay, motion)
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable(
@@ -89,7 +93,14 @@ def identify_restoring_force(
             else "lost readings and outliers leave too few whole stretches of two cycles; release from a larger "
             "amplitude, or record again"
         )
-    fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
+    # Powers of a displacement that is counted from elsewhere than the rest position are not those of the law.
+    rest = window.middle
+    for _ in range(_ROUNDS):
+        window = window.about(rest)
+        fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
+        rest = fits[max_order].polynomial.rest
+        if stiffness_orders == (1,) or abs(rest) < _SETTLED * float(np.std(motion.displacement)):
+            break
     tried = fits[least_order:]
     clear = [fit.clear for fit in tried]
     misfits = [fit.solution.chi_square for fit in tried]

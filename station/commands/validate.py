@@ -20,7 +20,8 @@ def command(
 
     MODEL is a model file, or a session that was refined or diagnosed. Its
     physics is held; start, zero, lag, gain and offsets of each SESSION are
-    refitted, its linear spring and viscous damper near the model's;
+    refitted, and its linear spring and damper, which may differ by some 2 %
+    and 100 %;
     what --varies says was changed is each SESSION's own.
     The usual model predicts under the same rule.
     """

@@ -60,7 +60,8 @@ def first_model(
 def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return the model of a step of a ladder, with its values."""
     known = known_model(step.model, "the ladder", library)
-    return replace(known, words=step.begun_with or f"the {step.name}", nuisances=step.nuisances)
+    states = {name: value for name, value in step.nuisances.items() if ".state" in name}
+    return replace(known, words=step.begun_with or f"the {step.name}", states=states)
 
 
 def kept_identification(session: Session) -> KeptIdentification | None:

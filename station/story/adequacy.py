@@ -96,36 +96,47 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     guessed = "the noise is only a guess, and any model would pass"
     of_noise = guessed if may_hide_anything(baseline, baseline.fit) else ""
     fit, error = baseline.stated(baseline.fit), errors_of(baseline)
-    apart, sigmas = farthest([*(method.parameters for method in methods), _simulated(fit, methods[0])])
+    names = ["wavelet" if isinstance(method, WaveletResult) else "restoring force" for method in methods]
+    estimates = dict(zip(names, map(_per_mass, methods), strict=True))
+    apart, sigmas = farthest(estimates | {"simulation": _simulated(fit, methods[0])})
     return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise)
 
 
+def _per_mass(method: Method) -> dict[str, Estimate]:
+    """Return the estimates of a method by name, the linear spring without a mass whose error all estimates would share."""
+    return method.parameters | {stiffness_name(1): method.stiffness_per_mass}
+
+
 def _simulated(fit: Fit, method: Method) -> dict[str, Estimate]:
-    """Return the estimates of a simulated model by the names of a method's own, stiffnesses with the mass as there."""
+    """Return the estimates of a simulated model by the names of a method's own, higher stiffnesses with the mass."""
     mass = method.stiffness.value / method.stiffness_per_mass.value
-    forces = [
-        (STIFFNESS_BY_ORDER[order], stiffness_name(order), mass) for order in sorted(STIFFNESS_BY_ORDER)
+    springs = [
+        (effect, stiffness_name(order), 1.0 if order == 1 else mass)
+        for order, effect in STIFFNESS_BY_ORDER.items()
     ]
-    forces += [(effect, damping_name(order), 1.0) for order, effect in enumerate(DAMPING_BY_ORDER)]
+    dampers = [(effect, damping_name(order), 1.0) for order, effect in enumerate(DAMPING_BY_ORDER)]
     values = {term.effect.name: fit.parameters[str(term.strength)] for term in fit.model.forces}
     return {
         name: replace(
             values[effect.name], value=values[effect.name].value * scale, std=values[effect.name].std * scale
         )
-        for effect, name, scale in forces
+        for effect, name, scale in (*springs, *dampers)
         if effect.name in values
     }
 
 
-def farthest(estimates: Sequence[dict[str, Estimate]]) -> tuple[str, float]:
-    """Find the parameter in which two of some sets of estimates differ most, by name, and by how many standard errors."""
+def farthest(estimates: dict[str, dict[str, Estimate]]) -> tuple[str, float]:
+    """Find the parameter in which two sets of estimates differ most, in words, and by how many standard errors.
+
+    `estimates` are by the name of the way in which they were made, and by the name of the parameter.
+    """
     pairs = [
-        (sigmas_apart(one[name], other[name]), name)
+        (sigmas_apart(estimates[one][name], estimates[other][name]), f"{name} by {one} and by {other}")
         for one, other in combinations(estimates, 2)
-        for name in one.keys() & other.keys()
+        for name in estimates[one].keys() & estimates[other].keys()
     ]
-    sigmas, name = max(pairs)
-    return name, sigmas
+    sigmas, words = max(pairs)
+    return words, sigmas
 
 
 def sigmas_apart(first: Estimate, other: Estimate) -> float:
@@ -141,7 +152,7 @@ def judgement(found: Adequacy) -> str:
     words = f"the identified model leaves {left} (noise alone: {floor_words(error.floor_std)})"
     if found.quotable:
         return f"{words}: its values may be quoted"
-    apart = f"two estimates of {found.apart} are {found.sigmas:.0f} standard errors apart"
+    apart = f"{found.apart} are {found.sigmas:.0f} standard errors apart"
     why = "" if not found.adequate else f", but {found.doubt or apart}"
     return f"{words}{why}: do not quote its values"
 

@@ -110,15 +110,15 @@ class Identification:
 class KnownModel:
     """A model, with its name in `words`; `remark` says why it is not another that one might expect.
 
-    `values` are those to fit from, by "effect.parameter" (none: from the data), `nuisances` what the one release it was
-    fitted to had of its own, `expressions` the operator's own effects.
+    `values` are those to fit from, by "effect.parameter" (none: from the data), `states` the internal states at the start
+    of the one release it was fitted to, `expressions` the operator's own effects.
     """
 
     model: Model
     words: str = "the usual model"
     values: dict[str, float] = field(default_factory=dict)
     expressions: tuple[str, ...] = ()
-    nuisances: dict[str, float] = field(default_factory=dict)
+    states: dict[str, float] = field(default_factory=dict)
     remark: str = ""
 
     def start(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float] | None:
@@ -137,7 +137,7 @@ class KnownModel:
                 if not parameter.of_release:
                     count = 1 if term.is_force else len(decays)
                     start |= {str(id.of_release(i, count)): self.values[str(id)] for i in range(count)}
-        return start | self._of_releases(decays) | (self.nuisances if len(decays) == 1 else {})
+        return start | self._of_releases(decays) | (self.states if len(decays) == 1 else {})
 
     def _of_releases(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
         """Find what each release has of its own of a force by a fit to it, all other values held."""

@@ -41,20 +41,17 @@ DECIDED = {
 
 
 def headline(document: DiagnosisDocument) -> str:
-    """Write the verdict in one line, a single name with what is plausible and not distinguishable from it."""
+    """Write the verdict in one line, a single name with what is of its kind, plausible, and not distinguishable from it."""
     found = document.confirmation
     verdict = headline_of(document.verdict, undecided=bool(found and found.undecided)).upper()
     if not document.named:
         return verdict
     names = [plain_name(name) for name in document.named]
-    plausible = {one.effect for one in document.suspects if one.plausible} if len(names) == 1 else set()
-    rivals = [plain_name(name) for name in document.rivals if name in plausible]
-    said = f"{verdict}: {among(names)}"
-    if not rivals:
-        return said
-    return (
-        f"{said}, or {among(rivals, 'or') if len(rivals) <= MOST_RIVALS else f'one of {len(rivals)} others'}"
-    )
+    kinds = {one.effect: one.kind for one in document.suspects if one.plausible}
+    alike = [r for r in document.rivals if len(names) == 1 and kinds.get(r) == kinds.get(document.named[0])]
+    if len(alike) > MOST_RIVALS:
+        return f"{verdict}: {names[0]}, or one of {len(alike)} others"
+    return f"{verdict}: {among([*names, *map(plain_name, alike)], 'or' if alike else 'and')}"
 
 
 def tone_of(document: DiagnosisDocument) -> Tone:

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
@@ -84,6 +85,35 @@ def test_a_law_is_the_same_wherever_the_sensor_has_its_zero(method):
     for name, value in about_rest.items():
         assert abs(far[name].value - value.value) < 0.1 * value.std
         assert far[name].std == pytest.approx(value.std, rel=0.05)
+
+
+def test_a_force_that_pushes_to_one_side_does_not_move_the_spring_s_zero():
+    """Simulated here: a cubic spring under a force whose mean holds the mass off."""
+    rate, k, k_3 = 200.0, 620.0, 4e5
+    time, random = np.arange(4000) / rate, np.random.default_rng(4)
+    tones = [(w, random.uniform(0.0, 6.0)) for w in np.linspace(12.0, 40.0, 12)]
+
+    def force(t):
+        return 4.0 + sum(0.6 * np.sin(w * t + phase) for w, phase in tones)
+
+    def rates(t, state):
+        u, v = state
+        return [v, force(t) - k * u - k_3 * u**3 - 0.6 * v]
+
+    moves = solve_ivp(rates, (0.0, time[-1]), [0.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=0.002)
+    u, v = moves.y
+    a = force(time) - k * u - k_3 * u**3 - 0.6 * v
+    decay = FreeDecay(
+        rate,
+        u + 1e-6 * random.standard_normal(4000),
+        a + 1e-3 * random.standard_normal(4000),
+        force=force(time),
+        mass=1.0,
+    )
+    found = identify_restoring_force(decay, 1, (1, 3))
+    assert found.stiffness.value == pytest.approx(k, rel=5e-3)
+    assert found.stiffness_by_order[3].value == pytest.approx(k_3, rel=0.02)
+    assert found.damping[1].value == pytest.approx(0.6, rel=0.02)
 
 
 def test_the_wavelet_is_not_misled_by_an_accelerometer_that_clips_through_half_of_the_decay():

@@ -75,11 +75,15 @@ def test_the_model_has_the_orders_that_were_found():
 
 
 def test_methods_that_disagree_are_named_with_their_distance():
-    name, sigmas = farthest([found(1).parameters, found(1).parameters, found(1, mu_0=0.11).parameters])
+    one, other = found(1).parameters, found(1, mu_0=0.11).parameters
+    name, sigmas = farthest({"wavelet": one, "restoring force": one, "simulation": other})
     assert sigmas == pytest.approx(0.01 / math.hypot(0.001, 0.001))
     assert name.startswith(("dry friction", "viscous"))
+    assert name.endswith("and by simulation")
     bent = [found(1, cubic=Estimate(k_3, 1.0, "1/(s^2 m^2)")).parameters for k_3 in (-6.0, -70.0)]
-    assert farthest(bent)[0] == "stiffness of order 3"
+    assert farthest({"wavelet": bent[0], "simulation": bent[1]})[0].startswith(
+        "stiffness of order 3 by wavelet"
+    )
 
 
 def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
@@ -139,7 +143,7 @@ def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other
     judged = adequacy(prepared, [wavelet, off])
     assert judged.adequate
     assert not judged.quotable
-    assert "two estimates of dry friction mu_0 are" in judgement(judged)
+    assert "but dry friction mu_0 by restoring force and by simulation are" in judgement(judged)
 
 
 def test_one_method_is_not_quoted_where_the_simulation_contradicts_it(releases):

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -104,14 +105,29 @@ def test_a_suspect_is_nothing_that_the_model_has_and_nothing_is_missing(chosen, 
     assert document["verdict"] == "nothing_missing"
 
 
-def test_a_fit_begins_again_with_what_the_release_had_of_its_own_and_other_releases_do_not(chosen):
+def test_a_fit_begins_again_with_the_states_that_its_release_had_and_other_releases_do_not(chosen):
     refinement = open_refinement(chosen, Settings())
     add(refinement, "second_mass")
     known, prepared = current_model((chosen,)), refinement.prepared
-    begun = known.start((prepared,))
-    assert known.nuisances
-    assert begun.items() >= known.nuisances.items()
-    assert not known.start((prepared, prepared)).items() & known.nuisances.items()
+    known = replace(known, states={"second_mass.state0": 0.5})
+    assert known.start((prepared,))["second_mass.state0"] == 0.5
+    assert 0.5 not in known.start((prepared, prepared)).values()
+
+
+def test_a_second_mass_that_swung_before_is_compared_as_it_was_refined(tmp_path, monkeypatch, capsys):
+    time = np.arange(256) / 40.0
+    moves = 5.0 * np.exp(-0.05 * time) * np.cos(14.2 * time) + 0.4 * np.exp(-0.1 * time) * np.cos(
+        4.6 * time + 1.0
+    )
+    noise = 0.1 * np.random.default_rng(1).standard_normal(256)
+    rows = [f"{t:.3f},{a:.5f}" for t, a in zip(time, moves + noise, strict=True)]
+    (tmp_path / "two.csv").write_text("\n".join(["time [s],acceleration [m/s^2]", *rows]))
+    monkeypatch.chdir(tmp_path)
+    assert run(["import", "two.csv"]) == 0
+    capsys.readouterr()
+    refined = said(capsys, "refine", "two", "--add", "second_mass", *QUIET)["steps"][-1]["error"]
+    compared = said(capsys, "compare", "two", "--json")["error"]
+    assert compared["motion_percent"] == pytest.approx(refined["motion_percent"], rel=0.02)
 
 
 def test_one_record_has_one_floor_whatever_model_is_judged(chosen, capsys):
