@@ -1,6 +1,6 @@
 """The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law outside the library; their odds."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -75,7 +75,7 @@ def hypotheses_of(
     shape: NonparametricForce | None = None,
     walk: RandomWalk | None = None,
     places: Sequence[InPlace] = (),
-    undecided: Collection[str] = (),
+    undecided: Set[str] = frozenset(),
 ) -> tuple[Hypothesis, ...]:
     """List the hypotheses, the likeliest first, with the evidence that ranks them (`marginal_likelihood`).
 
@@ -132,7 +132,7 @@ def _agreeing(
     judged: set[tuple[str, ...]],
     named: Sequence[str],
     rivals: Sequence[str],
-    undecided: Collection[str],
+    undecided: Set[str],
     *,
     quiet: bool,
 ) -> list[Hypothesis]:
@@ -141,16 +141,10 @@ def _agreeing(
     Effects among which nothing is decided are as probable as one another, and no other hypothesis is more so.
     """
     nameless = [one.log_odds for one in weighed if not one.has_law]
-    is_open = [any(name in undecided for name in one.names) for one in weighed]
-    if any(is_open):
-        least = _apart(len(weighed) - sum(is_open))
-        best = max(
-            (one.log_odds for one, is_one in zip(weighed, is_open, strict=True) if not is_one), default=0.0
-        )
-        weighed = [
-            replace(one, log_odds=0.0 if is_one else one.log_odds - best - least)
-            for one, is_one in zip(weighed, is_open, strict=True)
-        ]
+    rest = [one for one in weighed if undecided.isdisjoint(one.names)]
+    if len(rest) < len(weighed):
+        behind = max(one.log_odds for one in rest) + _apart(len(rest))
+        weighed = [replace(one, log_odds=one.log_odds - behind if one in rest else 0.0) for one in weighed]
     elif named:
         weighed = [
             _as_judged(one, weighed, tuple(named), rivals) if one.names in judged else one for one in weighed

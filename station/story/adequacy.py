@@ -25,6 +25,11 @@ from station.story.residual import floor_words, residual_words
 
 Method = WaveletResult | RestoringForceResult
 
+_NAMES = {effect.name: stiffness_name(order) for order, effect in STIFFNESS_BY_ORDER.items()} | {
+    effect.name: damping_name(order) for order, effect in enumerate(DAMPING_BY_ORDER)
+}
+"""The name of the strength of an effect among the estimates of a method."""
+
 FAR_APART = 4.0
 """Standard errors from which on two estimates disagree."""
 
@@ -98,31 +103,22 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     fit, error = baseline.stated(baseline.fit), errors_of(baseline)
     names = ["wavelet" if isinstance(method, WaveletResult) else "restoring force" for method in methods]
     estimates = dict(zip(names, map(_per_mass, methods), strict=True))
-    apart, sigmas = farthest(estimates | {"simulation": _simulated(fit, methods[0])})
+    estimates["simulation"] = {
+        _NAMES[term.effect.name]: fit.parameters[str(term.strength)] for term in fit.model.forces
+    }
+    apart, sigmas = farthest(estimates)
     return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise)
 
 
 def _per_mass(method: Method) -> dict[str, Estimate]:
-    """Return the estimates of a method by name, the linear spring without a mass whose error all estimates would share."""
-    return method.parameters | {stiffness_name(1): method.stiffness_per_mass}
-
-
-def _simulated(fit: Fit, method: Method) -> dict[str, Estimate]:
-    """Return the estimates of a simulated model by the names of a method's own, higher stiffnesses with the mass."""
-    mass = method.stiffness.value / method.stiffness_per_mass.value
-    springs = [
-        (effect, stiffness_name(order), 1.0 if order == 1 else mass)
-        for order, effect in STIFFNESS_BY_ORDER.items()
-    ]
-    dampers = [(effect, damping_name(order), 1.0) for order, effect in enumerate(DAMPING_BY_ORDER)]
-    values = {term.effect.name: fit.parameters[str(term.strength)] for term in fit.model.forces}
-    return {
-        name: replace(
-            values[effect.name], value=values[effect.name].value * scale, std=values[effect.name].std * scale
-        )
-        for effect, name, scale in (*springs, *dampers)
-        if effect.name in values
+    """Return the estimates of a method by name, without a mass, whose error all estimates would share."""
+    first, per_mass = next(iter(method.stiffness_by_order)), method.stiffness_per_mass
+    mass = method.stiffness.value / per_mass.value
+    springs = {
+        stiffness_name(order): replace(k, value=k.value / mass, std=k.std / mass)
+        for order, k in method.stiffness_by_order.items()
     }
+    return method.parameters | springs | {stiffness_name(first): per_mass}
 
 
 def farthest(estimates: dict[str, dict[str, Estimate]]) -> tuple[str, float]:
