@@ -18,6 +18,10 @@ it is 1.07 at most."""
 _STEEPER = 4.0
 """Multiple of the change of stiffness with amplitude within a release by which it may change between two that never meet."""
 
+_UNKNOWN, _LEAST_FALL = 0.25, 0.3
+"""That change (of the logarithm of the stiffness over that of the amplitude) where a release is too short to show it, and
+the least fall over which it is taken: over less it is noise."""
+
 _FEWEST_CYCLES = 2.0
 
 
@@ -50,8 +54,9 @@ def _far(first: Sequence[_Half], other: Sequence[_Half]) -> bool:
 def _slope(halves: Sequence[_Half]) -> float:
     """Return the change of the logarithm of the stiffness with that of the amplitude."""
     early, late = halves[0], halves[-1]
-    fall = max(early.size - late.size, _OTHER_BENCH - 1.0)
-    return abs(float(np.log(early.stiffness / late.stiffness))) / fall
+    if early is late:
+        return _UNKNOWN
+    return abs(float(np.log(early.stiffness / late.stiffness))) / max(early.size - late.size, _LEAST_FALL)
 
 
 def _halves_of(prepared: PreparedDecay) -> list[_Half]:

@@ -110,17 +110,10 @@ class Diagnosis(Summarised):
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The hypotheses that are still open, the likeliest first, weighed when asked for."""
         walk = None if self.named else self.walk
-        open_ = self.confirmation if self.verdict == "unconfirmed" else None
-        seen = open_.undecided.values() if open_ is not None else ()
+        seen = self.confirmation.undecided if self.confirmation and self.verdict == "unconfirmed" else {}
+        undecided = frozenset(chain(*seen.values()))
         return hypotheses_of(
-            self.baseline,
-            self.suspects,
-            self.named,
-            self.final,
-            self.shape,
-            walk,
-            self.places,
-            {*chain(*seen)},
+            self.baseline, self.suspects, self.named, self.final, self.shape, walk, self.places, undecided
         )
 
     @cached_property

@@ -19,10 +19,8 @@ from identify.signal.weak_form import place_windows
 from identify.summary import Summary
 
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
-_ROUNDS, _SETTLED = (
-    6,
-    1e-6,
-)  # fits about the rest position that the last one found; share of the motion that it may be off
+_ROUNDS = 6  # fits, each about the rest position that the last one found
+_SETTLED = 1e-6  # of the motion, by which that may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +42,8 @@ class RestoringForceResult(Identified):
     `stiffness_by_order` holds every displacement order that was kept, `damping` begins with sgn v; `offset` is the
     constant force per unit mass at the rest position. `mse_percent` is eq. (18), `significance_percent` eq. (19) by term
     name. Points used, shape (n,): `time` (s, on the record's clock), `displacement` (from the rest position), `velocity`,
-    `force` (per unit mass, eq. 14) and the surface there, `force_fit`. Sections at v = 0 and
-    u = 0. `mass` is what a recorded force says of the mass, in the force's unit over m/s^2, when none was given; None
-    otherwise.
+    `force` (per unit mass, eq. 14) and the surface there, `force_fit`. Sections at v = 0 and u = 0. `mass` is
+    what a recorded force says of the mass, in the force's unit over m/s^2, when none was given; None otherwise.
     """
 
     offset: Estimate

@@ -102,9 +102,8 @@ def grid(table: Table, width: int) -> Grid:
     least = [_longest(columns[i], str.split) if i in texts else wide for i, wide in enumerate(widths)]
     width -= 2 * (len(columns) - 1)
     room = width >= sum(least)
-    for i in sorted(
-        texts, key=lambda i: least[i] - widths[i]
-    ):  # what folds gives way, none below its longest word
+    # What folds gives way, none below its longest word.
+    for i in sorted(texts, key=lambda i: least[i] - widths[i]):
         widths[i] -= min(widths[i] - least[i], max(sum(widths) - width, 0))
     for i, (name, wide) in enumerate(zip(table.head, widths, strict=True)):
         made.add_column(
