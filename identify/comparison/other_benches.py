@@ -18,11 +18,8 @@ it is 1.07 at most."""
 _STEEPER = 4.0
 """Multiple of the change of stiffness with amplitude within a release by which it may change between two that never meet."""
 
-_UNKNOWN, _LEAST_FALL = 0.25, 0.3
-"""That change (of the logarithm of the stiffness over that of the amplitude) where a release is too short to show it, and
-the least fall over which it is taken: over less it is noise."""
-
-_FEWEST_CYCLES = 2.0
+_LEAST_FALL = 0.3
+"""Fall of the logarithm of the amplitude below which a change of stiffness within a release is noise."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +50,14 @@ def _far(first: Sequence[_Half], other: Sequence[_Half]) -> bool:
 
 def _slope(halves: Sequence[_Half]) -> float:
     """Return the change of the logarithm of the stiffness with that of the amplitude."""
-    early, late = halves[0], halves[-1]
-    if early is late:
-        return _UNKNOWN
+    early, late = halves
     return abs(float(np.log(early.stiffness / late.stiffness))) / max(early.size - late.size, _LEAST_FALL)
 
 
 def _halves_of(prepared: PreparedDecay) -> list[_Half]:
-    """Return the halves of a release, or all of it where it is too short for two."""
-    n = len(prepared.window)
-    whole = n // 2 / prepared.window.rate * prepared.frequency / (2.0 * np.pi) < _FEWEST_CYCLES
-    parts = [prepared] if whole else [part_of(prepared, slice(n // 2)), part_of(prepared, slice(n // 2, n))]
-    model = base_model()
+    """Return the two halves of a release."""
+    middle, model = len(prepared.window) // 2, base_model()
+    parts = [part_of(prepared, samples) for samples in (slice(middle), slice(middle, len(prepared.window)))]
     name = str(model.linear_strength(LinearPart.STIFFNESS))
     return [
         _Half(initial_values((part,), model, {})[name], float(np.log(np.std(part.motion.displacement))))

@@ -28,7 +28,6 @@ from identify.signal.weak_form import (
 )
 
 _MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
-_NEWTON = 8
 _SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more would throw the resonance away
 
 
@@ -46,14 +45,12 @@ class Polynomial:
 
     @property
     def rest(self) -> float:
-        """The displacement near 0 at which the elastic part pulls nowhere, by Newton's method; 0 without a linear spring."""
+        """The displacement nearest to 0 at which the elastic part pulls nowhere; 0 where there is none."""
         powers = np.zeros(1 + max(self.stiffness))
         powers[0] = self.offset
         powers[list(self.stiffness)] = list(self.stiffness.values())
-        law, rest = np.polynomial.Polynomial(powers), 0.0
-        for _ in range(_NEWTON if self.stiffness.get(1, 0.0) > 0.0 else 0):
-            rest -= float(law(rest) / law.deriv()(rest))
-        return rest if np.isfinite(rest) else 0.0
+        roots = np.polynomial.Polynomial(powers).trim().roots()
+        return float(min(roots[np.isreal(roots)].real, key=abs, default=0.0))
 
     def dissipative(self, velocity: Array) -> Array:
         """Return the part that velocity makes, any shape."""
