@@ -79,6 +79,7 @@ def identify_restoring_force(
     the lag's standard error adds nothing here. Where viscous damping was tried and is not there, the error of dry
     friction is that beside it. Raises NotIdentifiable when there is too little to identify.
     """
+    stiffness_orders = tuple(sorted(stiffness_orders))
     decay, begins = block_averaged(aligned(decay))
     motion = reconstruct(decay)
     window = window_of(decay, motion)
@@ -95,8 +96,9 @@ def identify_restoring_force(
     for _ in range(_ROUNDS):
         window = window.about(rest)
         fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
-        rest = fits[max_order].polynomial.rest
-        if stiffness_orders == (1,) or abs(rest) < _SETTLED * float(np.std(motion.displacement)):
+        moved = window.cut(window.motion.displacement)
+        rest = fits[max_order].polynomial.rest(moved)
+        if abs(rest) < _SETTLED * float(np.std(moved)):
             break
     tried = fits[least_order:]
     clear = [fit.clear for fit in tried]

@@ -87,6 +87,26 @@ def test_a_law_is_the_same_wherever_the_sensor_has_its_zero(method):
         assert far[name].std == pytest.approx(value.std, rel=0.05)
 
 
+@pytest.mark.parametrize("zero", [0.0, 0.4])
+def test_a_spring_that_is_nearly_all_cubic_is_found_wherever_the_sensor_has_its_zero(zero):
+    rate, k, k_3, random = 256.0, 50.0, 1.5e6, np.random.default_rng(5)
+    time = np.arange(2048) / rate
+
+    def rates(t, state):
+        u, v = state
+        return [v, -k * u - k_3 * u**3 - 0.28 * v]
+
+    u, v = solve_ivp(
+        rates, (0.0, time[-1]), [0.03, 0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=0.002
+    ).y
+    a = -k * u - k_3 * u**3 - 0.28 * v + 0.01 * random.standard_normal(2048)
+    found = identify_restoring_force(
+        FreeDecay(rate, u + zero + 5e-6 * random.standard_normal(2048), a), 3, (1, 3)
+    )
+    assert found.stiffness.value == pytest.approx(k, rel=0.02)
+    assert found.stiffness_by_order[3].value == pytest.approx(k_3, rel=0.01)
+
+
 def test_a_force_that_pushes_to_one_side_does_not_move_the_spring_s_zero():
     """Simulated here: a cubic spring under a force whose mean holds the mass off."""
     rate, k, k_3 = 200.0, 620.0, 4e5
