@@ -14,7 +14,7 @@ from daq.importing.stamps import NoClock
 from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, find_gaps, from_stamps, on_clock
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
-from daq.plain_text import one_line
+from daq.plain_text import counted, one_line
 from daq.recording import MOTIONS, Array, Channel, Recording
 
 ORDER: Final = (*MOTIONS, "force")
@@ -245,12 +245,13 @@ def _within(
 
 def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Recording:
     quantities = [q for q in ORDER if q in readings]
+    count = values.shape[1]
+    if count < FEWEST_ROWS:
+        raise problem(
+            table.path, f"has {counted(count, 'sample', 'samples')}", f"a recording needs at least {FEWEST_ROWS}"
+        )
     clock = _clock(table, readings, values, recipe)
     values = values[:, clock.rows]
-    if len(clock.rows) < FEWEST_ROWS:
-        raise problem(
-            table.path, f"has {len(clock.rows)} samples", f"a recording needs at least {FEWEST_ROWS}"
-        )
     if not MIN_RATE <= clock.rate <= MAX_RATE:
         raise problem(
             table.path, f"its rate would be {clock.rate:.4g} Hz",

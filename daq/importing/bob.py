@@ -88,8 +88,8 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
 
 
 def _pivot(x: Array, y: Array) -> tuple[float, float] | None:
-    """Return the centre of the arc: the origin, or else the centre of the circle that fits (Kasa 1976), or None."""
-    if _on_arc(x, y, (0.0, 0.0)):
+    """Return the centre of the arc: the origin, or else that of the circle that fits (Kasa 1976), and better than a line."""
+    if _on_arc(x, y, (0.0, 0.0), 3.0 * ROUND * amplitude(x)):
         return 0.0, 0.0
     there = np.isfinite(x) & np.isfinite(y)
     a, b = x[there], y[there]
@@ -98,16 +98,16 @@ def _pivot(x: Array, y: Array) -> tuple[float, float] | None:
     matrix = np.column_stack([2.0 * (a - a.mean()), 2.0 * (b - b.mean()), np.ones(len(a))])
     u, v, _ = np.linalg.lstsq(matrix, (a - a.mean()) ** 2 + (b - b.mean()) ** 2, rcond=None)[0]
     centre = float(u + a.mean()), float(v + b.mean())
-    return centre if _on_arc(x, y, centre) else None
+    return centre if _on_arc(x, y, centre, min(amplitude(x), amplitude(y))) else None
 
 
-def _on_arc(x: Array, y: Array, centre: tuple[float, float]) -> bool:
+def _on_arc(x: Array, y: Array, centre: tuple[float, float], most: float) -> bool:
     radius = np.hypot(x - centre[0], y - centre[1])
     radius = radius[np.isfinite(radius)]
     if len(radius) < FEWEST or not 0.0 < float(np.mean(radius)) < 1e100:
         return False
     arc = amplitude(_angle(x, y, centre)[0])
-    return amplitude(radius) < ROUND * min(float(np.mean(radius)), 3.0 * amplitude(x)) and arc > SMALLEST_ARC
+    return amplitude(radius) < min(ROUND * float(np.mean(radius)), most) and arc > SMALLEST_ARC
 
 
 def _angle(x: Array, y: Array, centre: tuple[float, float]) -> tuple[Array, bool]:

@@ -52,7 +52,7 @@ def read_stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
     empty = len(stamps) - len(rows)
-    if len(rows) < max(2, 0.9 * len(stamps)):
+    if len(rows) < 0.9 * len(stamps):
         raise problem(
             table.path, f"{empty} of {len(stamps)} time stamps are empty", USE_RATE,
             line=table.line(int(np.argmin(np.isfinite(stamps)))) if len(stamps) else None, column=column.number,

@@ -299,6 +299,6 @@ def find_gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
     present = np.zeros(clock.count, dtype=bool)
     present[clock.index] = True
     return tuple(
-        Gap(a, b - a, "no number in the file" if present[a:b].any() else "missing from the file")
+        Gap(a, b - a, "no reading there" if present[a:b].any() else "missing from the file")
         for a, b in runs(~valid)
     )

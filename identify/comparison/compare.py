@@ -233,7 +233,10 @@ def _cause(
 ) -> str:
     """Say whether to look at a sensor or at physics; faults that are `modelled` explain what they do to the channels."""
     if kinematics is None:
-        return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
+        return (
+            "Without an acceleration beside a displacement or velocity, a fault of a sensor cannot be distinguished from "
+            "physics."
+        )
     if tone is not None and tone.sensor:
         return (
             f"At {quantity(tone.frequency)} the {tone.channel} shows what the other channel does not: hum or a disturbance "

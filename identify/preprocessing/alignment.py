@@ -16,8 +16,7 @@ from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.smoothing import slope
 
 ONE_CHANNEL = (
-    "Only one channel was recorded, so there is no lag to find: "
-    "record displacement (or velocity) and acceleration."
+    "There is no lag to find without an acceleration beside a displacement or velocity: record both."
 )
 
 LEAST_EXCESS = 0.7

@@ -211,7 +211,7 @@ def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest:
     if (
         stop - begin < 0.1 * turn
         or len(before) < 4
-        or np.std(without_line(before)) > 0.6 * np.std(without_line(coarse[last - round(turn) : last]))
+        or np.std(without_line(before)) > 0.3 * np.std(without_line(coarse[last - round(turn) : last]))
     ):
         return None
     level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())

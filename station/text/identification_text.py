@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
+from daq.plain_text import counted
 from identify.estimate import Estimate
 from identify.formatting import DASH, damping_name, plain_name, three_figures, with_error
 from station.story.adequacy import judgement, scale_doubt, sigmas_apart
@@ -51,7 +52,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
         ("record", f"{sampled}: {' and '.join(names)}"),
         ("mass", mass_words(result.weighing)),
         ("release", release_words(result)),
-        ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
+        ("lost", f"{counted(result.lost_samples, 'sample', 'samples')}, marked and left out" if result.lost_samples else ""),
         ("noise", f"{', '.join(noises)} rms, before any fit" if noises else ""),
         ("lag", lag_words(result)),
         ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),

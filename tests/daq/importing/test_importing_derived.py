@@ -24,6 +24,7 @@ KERNELS = {
     "backward": [-1.0, 1.0, 0.0],
     "central": [-0.5, 0.0, 0.5],
     "smoothed": [-1 / 6, -1 / 6, 0.0, 1 / 6, 1 / 6],
+    "weighted over seven": [-1 / 36, -1 / 12, -1 / 4, 0.0, 1 / 4, 1 / 12, 1 / 36],
     "slope of a line through seven": list(np.arange(-3, 4) / 28.0),
 }
 

@@ -162,6 +162,13 @@ def test_an_arc_about_a_pivot_elsewhere_is_only_proposed(tmp_path: Path, loose: 
     np.testing.assert_allclose(load(tmp_path, text, accept=True).samples[0], phi, atol=0.02)
 
 
+def test_a_drive_and_what_it_drives_are_no_bob(tmp_path: Path) -> None:
+    """A circle of the drive's size fits them as well as any other two columns, and no better than a level line."""
+    t = np.arange(400) / 20.0
+    driven = 0.05 * np.sin(t - 1.2) + 0.015 * np.sin(5.1 * t) * np.exp(-0.1 * t)
+    assert "arc" not in refusal(tmp_path, table("t,x,y", t, 25.0 * np.sin(t), driven))
+
+
 def test_a_small_swing_is_read_along_x(tmp_path: Path) -> None:
     t, phi = angle()
     x, y = 4.0 + 1.2 * np.sin(0.1 * phi), 2.0 - 1.2 * np.cos(0.1 * phi)
