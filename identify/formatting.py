@@ -144,13 +144,18 @@ def _power_of_ten(text: str) -> str:
     return f"{mantissa} × 10{str(int(power)).translate(_RAISED)}" if e else mantissa
 
 
+def two_figures(value: float) -> str:
+    """Write a number with two figures: "0.16", "920"; "9.2 × 10⁶" where it would be many digits."""
+    return _power_of_ten(f"{float(f'{value:.2g}'):g}")
+
+
 def scaled(value: float, unit: str) -> str:
     """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
     if value != 0.0 and abs(value) < 0.01 and unit[:1] in tuple(_PREFIXED) and "^" not in unit.split("/")[0]:
         if abs(value) < 1e-5:
-            return f"{value * 1e6:.2g} u{unit}"
-        return f"{value * 1e3:.2g} m{unit}"
-    return f"{value:.2g} {unit}"
+            return f"{two_figures(value * 1e6)} u{unit}"
+        return f"{two_figures(value * 1e3)} m{unit}"
+    return f"{two_figures(value)} {unit}"
 
 
 def plain_name(name: str) -> str:

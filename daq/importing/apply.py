@@ -248,7 +248,9 @@ def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe
     count = values.shape[1]
     if count < FEWEST_ROWS:
         raise problem(
-            table.path, f"has {counted(count, 'sample', 'samples')}", f"a recording needs at least {FEWEST_ROWS}"
+            table.path,
+            f"has {counted(count, 'sample', 'samples')}",
+            f"a recording needs at least {FEWEST_ROWS}",
         )
     clock = _clock(table, readings, values, recipe)
     values = values[:, clock.rows]

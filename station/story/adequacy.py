@@ -15,7 +15,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
-from identify.formatting import damping_name, stiffness_name
+from identify.formatting import damping_name, stiffness_name, two_figures
 from identify.judging.verdict import may_hide_anything
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -158,8 +158,7 @@ def scale_doubt(gain: Estimate) -> str:
     off = abs(abs(gain.value) - 1.0)
     if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
         return ""
-    percent = f"{100.0 * off:.2g}" if off < 1.0 else f"{100.0 * off:.0f}"
     return (
-        f"The gains of the channels differ by {percent} %: every force is uncertain by as much until both sensors "
-        "are calibrated against one reference."
+        f"The gains of the channels differ by {two_figures(100.0 * off)} %: every force is uncertain by as much until both "
+        "sensors are calibrated against one reference."
     )

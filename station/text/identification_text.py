@@ -52,7 +52,12 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
         ("record", f"{sampled}: {' and '.join(names)}"),
         ("mass", mass_words(result.weighing)),
         ("release", release_words(result)),
-        ("lost", f"{counted(result.lost_samples, 'sample', 'samples')}, marked and left out" if result.lost_samples else ""),
+        (
+            "lost",
+            f"{counted(result.lost_samples, 'sample', 'samples')}, marked and left out"
+            if result.lost_samples
+            else "",
+        ),
         ("noise", f"{', '.join(noises)} rms, before any fit" if noises else ""),
         ("lag", lag_words(result)),
         ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),
