@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from decays_in_closed_form import coulomb, exponential
+from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
@@ -160,6 +161,20 @@ def test_a_record_that_begins_in_mid_decay_says_so() -> None:
         found = release_of(FreeDecay(256.0, **channels))
         assert (found.kind, found.index, found.rest) == ("in_motion", 0, (0, 0))
         assert found.end > 990
+
+
+@pytest.mark.parametrize(("begun", "rate"), [((1.6, 8.0), 30.0), ((2.0, 6.0), 15.0), ((2.0, 6.0), 30.0)])
+def test_a_pendulum_that_swings_from_the_first_reading_is_released_there(
+    begun: tuple[float, float], rate: float
+) -> None:
+    """So far up the period changes so much that one oscillation fits no two cycles; nothing stands still before any."""
+    time = np.arange(0.0, 18.0, 1.0 / rate)
+    angle = solve_ivp(
+        lambda _, state: (state[1], -39.0 * np.sin(state[0]) - 0.03 * state[1]),
+        (0.0, 18.0), begun, t_eval=time, rtol=1e-8, atol=1e-10,
+    ).y[0]  # fmt: skip
+    found = release_of(FreeDecay(rate, angle + 0.001 * np.random.default_rng(0).standard_normal(len(time))))
+    assert (found.kind, found.index) == ("in_motion", 0)
 
 
 def test_the_end_is_where_the_mass_sticks() -> None:
