@@ -20,7 +20,7 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
-from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.model_error import ModelError, errors_of, may_hide_anything
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
 from identify.formatting import plain_name, quantities, three_figures
@@ -39,7 +39,7 @@ from identify.judging.releases_differ import (
 )
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import InPlace, candidate_terms, singles
-from identify.judging.verdict import Judgement, Verdict, headline_of, may_hide_anything, too_few_cycles
+from identify.judging.verdict import Judgement, Verdict, headline_of, too_few_cycles
 from identify.model.model import Model, base_model
 from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide
 from identify.planning.next_release import Limits, NextRelease, next_release

@@ -12,6 +12,7 @@ from identify.model.measured_path import model_force
 from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import ADEQUATE, HARDLY_KNOWN, LARGE
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,16 @@ def _percent_of_motion(fit: Fit, mean_square: Callable[[str, int], float], place
         channel = window.channels[min(place, len(window.channels) - 1)]
         shares.append(mean_square(channel, i) / np.var(window.readings[channel][window.used[channel]]))
     return 100.0 * float(np.sqrt(np.mean(shares)))
+
+
+def may_hide_anything(baseline: Baseline, found: Fit) -> bool:
+    """Check whether a fit leaves enough of the motion for a name, and only a floor that is hardly known accepts it.
+
+    A guess far above all that a fit leaves is no better known.
+    """
+    too_high = found.reduced < float(np.exp(-ADEQUATE * baseline.spread))
+    unknown = not baseline.floor_is_sure and (too_high or baseline.spread >= HARDLY_KNOWN)
+    return unknown and baseline.adequate(found) and motion_percent(found) > LARGE
 
 
 def removed_percent(before: Fit, after: Fit) -> float:

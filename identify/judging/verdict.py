@@ -15,7 +15,7 @@ from identify.fitting.random_walk import RandomWalk
 from identify.formatting import three_figures
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspects import Candidate, InPlace
-from identify.priors import ADEQUATE, FEWEST_CYCLES, HARDLY_KNOWN, LARGE
+from identify.priors import FEWEST_CYCLES
 
 Verdict = Literal[
     "missing_effect",
@@ -92,16 +92,6 @@ def too_few_cycles(baseline: Baseline) -> bool:
     """Check whether too few cycles of free motion, over all releases, stand above friction and noise."""
     seconds = sum(len(window) / window.rate for window in baseline.fit.windows)
     return seconds * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
-
-
-def may_hide_anything(baseline: Baseline, found: Fit) -> bool:
-    """Check whether a fit leaves enough of the motion for a name, and only a floor that is hardly known accepts it.
-
-    A guess far above all that a fit leaves is no better known.
-    """
-    too_high = found.reduced < float(np.exp(-ADEQUATE * baseline.spread))
-    unknown = not baseline.floor_is_sure and (too_high or baseline.spread >= HARDLY_KNOWN)
-    return unknown and baseline.adequate(found) and motion_percent(found) > LARGE
 
 
 def why_not_enough(baseline: Baseline, found: Fit) -> str:

@@ -13,10 +13,9 @@ from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.model_error import ModelError, errors_of, may_hide_anything
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name, stiffness_name, two_figures
-from identify.judging.verdict import may_hide_anything
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
