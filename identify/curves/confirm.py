@@ -109,10 +109,6 @@ def _confirmed(likelihood: CurveLikelihood) -> Confirmation:
         usual.one_record,
         tuple(asked),
         tuple(dict.fromkeys(law.name for law in laws.laws[laws.base :])),
-        {
-            str(law.term.strength): max(float(strength), law.term.effect.strength.low)
-            for law, strength in zip(laws.laws[: laws.base], held.strengths, strict=False)
-        },
         tuple(one.place for one in laws.releases),
     )
 
@@ -226,7 +222,6 @@ def _effect(
     return ConfirmedEffect(
         term=law.term,
         strength=float(after.strengths[-1]),
-        inner=law.inner,
         explains=evidence.explains,
         before=before.typical(channel),
         after=after.typical(channel),

@@ -1,6 +1,6 @@
 """Confirmation by curves: the effects that their evidence names, and the errors of their predictions."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from identify.curves.held_out import HeldOut
 from identify.evidence import Evidence
@@ -16,7 +16,6 @@ class ConfirmedEffect:
 
     term: Term
     strength: float
-    inner: dict[str, float]
     explains: str
     before: float
     after: float
@@ -39,11 +38,6 @@ class ConfirmedEffect:
         """The effect's name."""
         return self.term.effect.name
 
-    @property
-    def values(self) -> dict[str, float]:
-        """Starting values of its parameters by unknown's name."""
-        return self.term.by_name(self.inner | {self.term.effect.strength.name: self.strength})
-
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
@@ -52,8 +46,7 @@ class Confirmation:
     `effects` in the order in which they were taken. `usual` and `found` are the errors of the model as given and with
     the effects, for each part that was left out; `one_record` says that these are parts of a record, not releases.
     `asked` is the evidence in the order in which it was asked for. `laws` are the effects that were tried;
-    `linear_strengths` those of the model's own forces with the effects, by unknown's name. `releases` are the places,
-    among those that were given, of those that have a curve.
+    `releases` are the places, among those that were given, of those that have a curve.
     """
 
     effects: tuple[ConfirmedEffect, ...]
@@ -62,7 +55,6 @@ class Confirmation:
     one_record: bool
     asked: tuple[Evidence, ...] = ()
     laws: tuple[str, ...] = ()
-    linear_strengths: dict[str, float] = field(default_factory=dict)
     releases: tuple[int, ...] = ()
 
     @property

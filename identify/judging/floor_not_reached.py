@@ -23,11 +23,9 @@ from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import initial_values
 from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.judging.beside_walk import weighed
-from identify.judging.linear_gain import states_of_term
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of
 from identify.judging.suspects import Candidate, is_predicted, singles, try_terms
@@ -186,38 +184,13 @@ def _singled_out(
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
-    """Fit the model with the confirmed effects to all readings; None where that only makes it worse.
-
-    It begins from the strengths that the curves give, once with the states of the model as it was and once with those
-    of the measured motion, and with the effects one after the other; the best end counts.
-    """
-    base = baseline.fit
-    model = base.model
-    strengths: dict[str, float] = {}
-    states: dict[str, float] = {}
-    for effect in found.effects:
-        model = model.plus(effect.term)
-        strengths |= effect.values
-        states |= states_of_term(base, effect.term, base.point | effect.values)
-    linear = found.linear_strengths
-    starts = (
-        base.point | linear | strengths | states,
-        initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
-    )
-    ends = [fit(model, base.windows, start, base.frequency, near=True) for start in starts]
-    ends.append(_one_after_the_other(baseline, found))
-    best = min(ends, key=lambda end: end.chi_square)
-    return best if best.chi_square < base.chi_square else None
-
-
-def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
-    """Add the confirmed effects to a fit one after the other, each from all its starting values."""
+    """Fit the model with the confirmed effects to all readings, one after the other; None where that only makes it worse."""
     end = baseline.fit
     for effect in found.effects:
         tried = try_terms(baseline.decays, end, (effect.term,))
         if tried:
             end = tried[0].fit
-    return end
+    return end if end.chi_square < baseline.fit.chi_square else None
 
 
 def line_beside(
