@@ -12,7 +12,7 @@ from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
 from identify.preprocessing.fit_window import FitWindow
 from identify.signal.fractional_delay import bridge
-from identify.signal.oscillation import dominant_frequency
+from identify.signal.oscillation import dominant_frequency, top_between
 
 _STANDS_OUT = 60.0
 """Times the median power around it from which on a line stands out of noise: 1 in 1e18 of single bins."""
@@ -85,14 +85,7 @@ def _strongest(found: Fit, window: FitWindow, channel: str) -> OtherMode | None:
     peak = first[at] >= first[max(at - 1, 0) : at + 2].max()
     if not (stands_out and decays and peak and percent > _WORTH):
         return None
-    return OtherMode(_refined(first, at) * float(bins[1]), percent, channel)
-
-
-def _refined(amplitudes: Array, at: int) -> float:
-    """Locate a peak between bins, by the parabola through its logarithm."""
-    left, middle, right = np.log(np.maximum(amplitudes[at - 1 : at + 2], 1e-300))
-    curvature = left - 2.0 * middle + right
-    return float(at + (0.5 * (left - right) / curvature if curvature < 0.0 else 0.0))
+    return OtherMode(top_between(first, at) * float(bins[1]), percent, channel)
 
 
 def _amplitudes(values: Array) -> Array:

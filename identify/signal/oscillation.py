@@ -32,12 +32,14 @@ def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float
     if not np.any(power > 0):
         return 0.0
     peak = int(np.argmax(power))
-    shift = 0.0
-    if first < peak < len(power) - 1:
-        left, middle, right = np.log(power[peak - 1 : peak + 2] + 1e-300)
-        curvature = left - 2.0 * middle + right
-        shift = 0.5 * (left - right) / curvature if curvature < 0 else 0.0
-    return float((peak + shift) * rate / size)
+    return (top_between(power, peak) if first < peak < len(power) - 1 else peak) * rate / size
+
+
+def top_between(power: Array, at: int) -> float:
+    """Locate a peak between the bins of a spectrum, by the parabola through its logarithm."""
+    left, middle, right = np.log(np.maximum(power[at - 1 : at + 2], 1e-300))
+    curvature = left - 2.0 * middle + right
+    return float(at + (0.5 * (left - right) / curvature if curvature < 0.0 else 0.0))
 
 
 def running_amplitude(values: Array, period: int) -> Array:
