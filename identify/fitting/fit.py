@@ -158,8 +158,10 @@ class Fit:
         window = self.windows[i]
         if channel not in window.colour:
             return float(window.sigma[channel])
-        left, in_noise = self.residual(channel, i)[window.used[channel]], self.in_noise(channel, i)
-        return float(np.sqrt(np.sum(left**2) / np.sum(in_noise**2)))
+        used = window.used[channel]
+        return float(
+            np.std(self.residual(channel, i)[used]) / np.sqrt(np.mean(self.in_noise(channel, i)[used] ** 2))
+        )
 
     @cached_property
     def problem(self) -> Problem:

@@ -229,13 +229,19 @@ def identify(recording: Recording, options: Options, found: AlignedDecay | None 
 def _with_the_same_orders(
     decay: FreeDecay, wavelet: WaveletResult, force: RestoringForceResult, max_order: int
 ) -> tuple[WaveletResult, RestoringForceResult]:
-    """Identify again by the method that lacks an order which the other one needs; one that cannot says what to do."""
+    """Identify again by the method that lacks an order which the other one needs; one that cannot says what to do.
+
+    Orders of stiffness come first: without one of them a method may find damping that is not there.
+    """
     for _ in range(_ROUNDS):
         least, needed = needed_orders((wavelet, force))
         stiffness = {*needed, *force.stiffness_by_order}
+        bends = stiffness & _BACKBONE <= wavelet.stiffness_by_order.keys()
+        if not (bends and stiffness <= force.stiffness_by_order.keys()):
+            least = 0
         wanted = (max_order, tuple(sorted(stiffness)), least)
         try:
-            if wavelet.order < least or not stiffness & _BACKBONE <= wavelet.stiffness_by_order.keys():
+            if wavelet.order < least or not bends:
                 wavelet = identify_wavelet(decay, *wanted)
             elif force.order < least or not stiffness <= force.stiffness_by_order.keys():
                 force = identify_restoring_force(decay, *wanted)
