@@ -10,12 +10,11 @@ folder of the kept code, which is then run. Here it is imported without; a calle
 
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import lru_cache
 from hashlib import sha256
 from inspect import unwrap
-from types import ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -33,9 +32,10 @@ if "numba" not in sys.modules:
             sys.modules["yaml"] = _yaml
     config._config_fname = ""
 
-from numba import njit
+from numba import njit, types
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.runtime import rtsys
+from numba.core.typing import Signature
 
 
 def compiled(signature: Any = None, **options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -78,37 +78,64 @@ class _Cache(FunctionCache):  # type: ignore[misc]
 
 
 def fingerprint(function: Any) -> str:
-    """Return a digest of all that may be compiled into a function: its module and those of its package that it takes from.
-
-    Of each the source, and the values of its constants, wherever they were imported from.
-    """
-    found, modules = dict[str, str](), [sys.modules[unwrap(function).__module__]]
-    package = modules[0].__name__.partition(".")[0]
-    while modules:
-        module = modules.pop()
-        if module.__name__ not in found and module.__name__.partition(".")[0] == package:
-            found[module.__name__], others = _of_module(module)
-            modules += others
-    return sha256(repr(sorted(found.items())).encode()).hexdigest()
+    """Return a digest of a compiled function: its code and options, and those of all that it calls in its package."""
+    package = _package_of(unwrap(function))
+    return sha256("\n".join(_parts(function, package, set())).encode()).hexdigest()
 
 
-@lru_cache
-def _of_module(module: ModuleType) -> tuple[str, list[ModuleType]]:
-    """Return a digest of one module, and the modules that its names come from."""
-    values = {name: value for name, value in vars(module).items() if not name.startswith("__")}
-    constants = sorted((name, _written(value)) for name, value in values.items())
-    source = vars(module)["__loader__"].get_source(module.__name__)
-    # what a package holds depends on what has been imported: of modules only those without a path are followed
-    modules = [one for one in values.values() if isinstance(one, ModuleType) and not hasattr(one, "__path__")]
-    places = [getattr(one, "__module__", None) for one in values.values()]
-    others = [*modules, *(sys.modules[place] for place in places if place in sys.modules)]
-    return sha256(f"{source}{constants}".encode()).hexdigest(), others
+def _package_of(function: Any) -> str:
+    return str(function.__module__).partition(".")[0]
 
 
-def _written(value: Any) -> str:
-    """Return a constant of compiled code as text; "" for all else, whose text might differ from run to run."""
-    if isinstance(value, tuple):
-        return repr([_written(one) for one in value])
-    if isinstance(value, np.ndarray):
-        return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
-    return repr(value) if isinstance(value, bool | int | float | complex | str | np.generic) else ""
+def _parts(value: Any, package: str, seen: set[Any]) -> Iterator[str]:
+    plain = unwrap(value) if callable(value) else value
+    if isinstance(plain, FunctionType):
+        yield f"{plain.__module__}.{plain.__qualname__}"
+        if _package_of(plain) == package and plain not in seen:
+            seen.add(plain)
+            yield repr(sorted(getattr(value, "targetoptions", {}).items()))
+            yield from _parts_of_function(plain, package, seen)
+    elif isinstance(plain, tuple):
+        for element in plain:
+            yield from _parts(element, package, seen)
+    elif isinstance(plain, np.ndarray):
+        yield f"{plain.dtype} {plain.shape} {plain.tobytes().hex()}"
+    elif isinstance(
+        plain, bool | int | float | complex | str | bytes | np.generic | types.Type | Signature | None
+    ):
+        yield repr(plain)
+    else:
+        yield type(
+            plain
+        ).__qualname__  # not a constant of compiled code; its text might differ from run to run
+
+
+def _parts_of_function(function: FunctionType, package: str, seen: set[Any]) -> Iterator[str]:
+    names: list[str] = []
+    for code in _codes(function.__code__):
+        names += code.co_names
+        yield code.co_code.hex()
+        for constant in code.co_consts:
+            yield from _parts(
+                tuple(sorted(constant, key=repr)) if isinstance(constant, frozenset) else constant,
+                package,
+                seen,
+            )
+    yield repr(names)
+    yield from _parts(function.__defaults__ or (), package, seen)
+    for cell in function.__closure__ or ():
+        yield from _parts(cell.cell_contents, package, seen)
+    for name in names:
+        value = function.__globals__.get(name)
+        if isinstance(value, ModuleType) and value.__name__.partition(".")[0] == package:
+            for attribute in names:
+                yield from _parts(getattr(value, attribute, None), package, seen)
+        else:
+            yield from _parts(value, package, seen)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
