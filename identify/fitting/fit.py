@@ -148,6 +148,11 @@ class Fit:
         """Return reading less prediction, SI, shape (n,), of one channel of window i."""
         return self.windows[i].readings[channel] - self.predicted[i][channel]
 
+    def left(self, channel: str, i: int = 0) -> Array:
+        """Return the residual about its mean: a zero that wanders, as coloured noise lets it, is no motion."""
+        residual = self.residual(channel, i)
+        return residual - np.mean(residual[self.windows[i].used[channel]])
+
     def in_noise(self, channel: str, i: int = 0) -> Array:
         """Return the residual of one channel of window i in units of its noise, whitened, 0 where not used, shape (n,)."""
         window = self.windows[i]
@@ -158,10 +163,8 @@ class Fit:
         window = self.windows[i]
         if channel not in window.colour:
             return float(window.sigma[channel])
-        used = window.used[channel]
-        return float(
-            np.std(self.residual(channel, i)[used]) / np.sqrt(np.mean(self.in_noise(channel, i)[used] ** 2))
-        )
+        left, in_noise = self.left(channel, i)[window.used[channel]], self.in_noise(channel, i)
+        return float(np.sqrt(np.sum(left**2) / np.sum(in_noise**2)))
 
     @cached_property
     def problem(self) -> Problem:

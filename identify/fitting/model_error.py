@@ -57,12 +57,11 @@ def force_floor_percent(prepared: PreparedDecay, measured: Array) -> float:
 def motion_percent(fit: Fit, place: int = 0) -> float:
     """Return the free-run misfit of the displacement (or the first channel there is) in % of its rms, over all releases.
 
-    Both about their means: a zero that wanders, as coloured noise lets it, is no motion. Another `place` chooses another
-    channel, of releases with so many.
+    Both about their means. Another `place` chooses another channel, of releases with so many.
     """
 
     def left(channel: str, i: int) -> float:
-        return float(np.var(fit.residual(channel, i)[fit.windows[i].used[channel]]))
+        return float(np.mean(fit.left(channel, i)[fit.windows[i].used[channel]] ** 2))
 
     return _percent_of_motion(fit, left, place)
 

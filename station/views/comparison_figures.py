@@ -20,7 +20,7 @@ TOO_MANY_DOTS = 60
 def residual(axis: Axes, fit: Fit, channel: str, look: Look) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     window = fit.windows[0]
-    left = np.where(window.used[channel], fit.residual(channel), np.nan)
+    left = np.where(window.used[channel], fit.left(channel), np.nan)
     fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
         fine, name = scale(channel, window.unit)

@@ -101,7 +101,7 @@ def frame_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
     for channel in window.channels:
         factor, _ = scale(channel, window.unit)
         small, _ = scale(channel, window.unit, fine=True)
-        left = np.where(_holes(fit, channel), np.nan, fit.residual(channel)) * small
+        left = np.where(_holes(fit, channel), np.nan, fit.left(channel)) * small
         models.append(numbers(fit.predicted[0][channel][::stride] * factor))
         lefts.append(numbers(left[::stride]))
         noise.append(float(f"{fit.noise(channel) * small:.4g}"))

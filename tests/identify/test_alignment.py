@@ -154,7 +154,7 @@ def test_a_sensor_mounted_upside_down_is_told() -> None:
 
 
 def test_one_channel_is_refused_in_words() -> None:
-    with pytest.raises(NotIdentifiable, match="one channel"):
+    with pytest.raises(NotIdentifiable, match="without an acceleration"):
         align(FreeDecay(RATE, displacement=np.zeros(500)))
 
 
