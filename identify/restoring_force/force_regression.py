@@ -107,10 +107,11 @@ def fit_orders(
 
     direction = direction_of(v)
     factor = factor_of(_covariance(window, windows, 0.0, w**2))
-    first = _solved(rows(direction), factor, 1, len(others))
-    mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
+    order = min(max(max_order, 1), 2)
+    mu_0, mu_1, *more = _solved(rows(direction), factor, order, len(others)).values
+    k_1, drag = more[order - 1] if 1 in stiffness_orders else w**2, more[0] if order > 1 else 0.0
 
-    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, window.blur)
+    direction = refine_reversals(v, direction, max(mu_0, 0.0), drag, motion.rate, w, window.blur)
     band = _covariance(window, windows, mu_1, k_1)
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, motion.noise_velocity)
     found = rows(direction)

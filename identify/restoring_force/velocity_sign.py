@@ -29,12 +29,19 @@ def direction_of(velocity: Array) -> Direction:
 
 
 def refine_reversals(
-    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float, blur: int
+    velocity: Array,
+    direction: Direction,
+    dry: float,
+    drag: float,
+    rate: float,
+    angular_frequency: float,
+    blur: int,
 ) -> Direction:
     """Return the direction with its reversals placed by the samples an eighth of a cycle to either side.
 
-    Between reversals the velocity is a sine, of two amplitudes: before and after they differ by dry friction
-    `dry` (m/s^2). That difference is given back, and one sine with an offset is fitted across the reversal.
+    Between reversals the velocity is a sine, of two amplitudes: before and after they differ by dry friction `dry`
+    (m/s^2) and by quadratic damping `drag` (1/m). That difference is given back, and one sine with an offset is fitted
+    across the reversal.
     `blur` samples next to the reversal are left out, where smoothing has rounded its kink.
     """
     reach = max(3, int(_QUIET_CYCLES * 2 * np.pi * rate / angular_frequency)) + blur
@@ -48,10 +55,12 @@ def refine_reversals(
     at = direction.at.copy()
     offsets = np.concatenate([np.arange(-reach, 1 - blur), np.arange(1 + blur, reach + 2)])
     nearby = velocity[turns[:, None] + offsets]
+    largest = 0.5 * (nearby[:, :1] - nearby[:, -1:]) / np.sin((reach + 0.5) * angular_frequency / rate)
     for _ in range(2):
         angle = (offsets - at[turns][:, None]) * (angular_frequency / rate)
-        smooth = nearby - direction.before[turns][:, None] * dry / angular_frequency * np.sin(np.abs(angle))
         sine, cosine = np.sin(angle), np.cos(angle)
+        force = dry + 2.0 / 3.0 * drag * largest**2 * (1.0 - cosine)
+        smooth = nearby - direction.before[turns][:, None] * force / angular_frequency * np.abs(sine)
         # least squares on sin, cos and 1; at the reversal only the last two remain
         columns = np.stack([sine, cosine, np.ones_like(sine)], axis=2)
         normal = columns.transpose(0, 2, 1) @ columns
