@@ -355,3 +355,14 @@ def test_a_release_that_was_seen_is_found_before_lost_readings(gap: tuple[float,
     assert found.kind == "displaced"
     assert found.time_s == pytest.approx(5.0, abs=0.03)
     assert found.rest[1] > 200
+
+
+@pytest.mark.parametrize("seed", [893, 1061])
+def test_a_hold_is_seen_beside_a_strongly_bent_spring(seed: int) -> None:
+    """The coarse place of the release is late there, and the first swing is no part of the hold."""
+    cubic = {"cubic_stiffness": {"k3": 10 ** np.random.default_rng(seed).uniform(5, 6.2)}}
+    sample = draw("cubic_stiffness", 0.15, 7000 + seed, rate=100.0, parameters=cubic)
+    found = release_of(FreeDecay(100.0, acceleration=sample.acceleration))
+    assert found.kind == "displaced"
+    assert abs(found.time_s - sample.truth["released_at_s"]) < 0.1
+    assert found.rest[1] > 50
