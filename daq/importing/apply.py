@@ -245,15 +245,10 @@ def _within(
 
 def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Recording:
     quantities = [q for q in ORDER if q in readings]
-    count = values.shape[1]
-    if count < FEWEST_ROWS:
-        raise problem(
-            table.path,
-            f"has {counted(count, 'sample', 'samples')}",
-            f"a recording needs at least {FEWEST_ROWS}",
-        )
+    _require_enough(table, values.shape[1])
     clock = _clock(table, readings, values, recipe)
     values = values[:, clock.rows]
+    _require_enough(table, len(clock.rows))
     if not MIN_RATE <= clock.rate <= MAX_RATE:
         raise problem(
             table.path, f"its rate would be {clock.rate:.4g} Hz",
@@ -282,6 +277,12 @@ def _recording(table: Table, readings: dict[str, Reading], values: Array, recipe
         return recording
     rows, there = on_clock(values, replace(clock, stamps=None))
     return replace(recording, as_read=Recording(clock.rate, channels, rows, there))
+
+
+def _require_enough(table: Table, count: int) -> None:
+    if count < FEWEST_ROWS:
+        has = f"has {counted(count, 'sample', 'samples')}"
+        raise problem(table.path, has, f"a recording needs at least {FEWEST_ROWS}")
 
 
 def _clock(table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe) -> Timebase:

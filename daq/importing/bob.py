@@ -98,7 +98,7 @@ def _pivot(x: Array, y: Array) -> tuple[float, float] | None:
     matrix = np.column_stack([2.0 * (a - a.mean()), 2.0 * (b - b.mean()), np.ones(len(a))])
     u, v, _ = np.linalg.lstsq(matrix, (a - a.mean()) ** 2 + (b - b.mean()) ** 2, rcond=None)[0]
     centre = float(u + a.mean()), float(v + b.mean())
-    return centre if _on_arc(x, y, centre, min(amplitude(x), amplitude(y))) else None
+    return centre if _on_arc(x, y, centre, min(3.0 * ROUND * amplitude(x), amplitude(y))) else None
 
 
 def _on_arc(x: Array, y: Array, centre: tuple[float, float], most: float) -> bool:

@@ -21,6 +21,7 @@ from identify.formatting import (
     quantity,
     share_words,
     three_figures,
+    two_figures,
 )
 from identify.judging.beside_walk import walk_sentence
 from identify.judging.suspect import Suspect
@@ -333,6 +334,6 @@ def _limit(suspects: tuple[Suspect, ...]) -> str:
         strength = suspect.parameters.get(suspect.effect.strength.name)
         if strength is not None and np.isfinite(strength.std):
             words.append(
-                f"{plain_name(suspect.effect.name)} beyond ±{3.0 * strength.std:.2g} {strength.unit}"
+                f"{plain_name(suspect.effect.name)} beyond ±{two_figures(3.0 * strength.std)} {strength.unit}"
             )
     return f"The data would have shown {' or '.join(words)}." if words else ""

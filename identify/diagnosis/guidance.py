@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from identify.diagnosis.diagnose import Diagnosis
-from identify.formatting import among, plain_name
+from identify.formatting import among, plain_name, two_figures
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.next_release import Limits, NextRelease, amplitude_words
@@ -146,7 +146,9 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
         if one.free is not None and 0.5 * (one.free.chi_square - named.chi_square) < DECIDES:
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
-            ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
+            ends = " and ".join(
+                f"{key} beyond {two_figures(value)} {units[key]}" for key, value in one.within.items()
+            )
             parts.append(f"This rig cannot exclude {one.title} with {ends}: here that is the same law.")
     return " ".join(parts)
 

@@ -6,6 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.formatting import two_figures
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import noise_levels
 from identify.signal.fractional_delay import bridge
@@ -32,8 +33,9 @@ def too_coarse(values: Array, rate: float, derivative: int) -> str:
     frequency = dominant_frequency(values, rate, derivative)
     if frequency <= 0.0 or rate >= _TOO_FEW * frequency or not _oscillates(values, rate, frequency):
         return ""
+    a_cycle = two_figures(rate / frequency)
     return (
-        f"The record has {rate:.3g} readings a second of a motion at about {frequency:.2g} Hz, {rate / frequency:.2g} a "
+        f"The record has {rate:.3g} readings a second of a motion at about {two_figures(frequency)} Hz, {a_cycle} a "
         f"cycle: too few to follow it. Record at {max(round(_ENOUGH * frequency), 1)} Hz or faster."
     )
 

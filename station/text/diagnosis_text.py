@@ -121,10 +121,10 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     effect = next((e for e in found.effects if e.name == suspect.effect), None)
     if effect is not None:
         return f"{effect.better} of {effect.parts}"
-    if suspect.effect in (*document.rivals, *(name for e in found.effects for name in e.rivals)):
-        return "nearly"
     if any(suspect.effect in names for names in found.undecided.values()):
         return "undecided"
+    if suspect.effect in (*document.rivals, *(name for e in found.effects for name in e.rivals)):
+        return "nearly"
     return "less likely" if found.effects else "no"
 
 

@@ -313,3 +313,20 @@ def test_any_bytes_are_no_recipe_or_one(tmp_path: Path, content: bytes) -> None:
     except ImportProblem as refused:
         message = str(refused)
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"), [(1, "has 1 sample;"), (2, "has 2 samples;"), (7, "has 7 samples;")]
+)
+def test_a_few_rows_are_no_recording(tmp_path: Path, rows: int, says: str) -> None:
+    path = tmp_path / "few.csv"
+    path.write_bytes(table("time_s,displacement_m", T[:rows], U[:rows]).encode())
+    with pytest.raises(ImportProblem, match=says):
+        read_file(path)
+
+
+def test_rows_that_repeat_do_not_count_as_samples(tmp_path: Path) -> None:
+    path = tmp_path / "few.csv"
+    path.write_bytes(table("time_s,displacement_m", np.r_[T[:7], T[6]], np.r_[U[:7], U[6]]).encode())
+    with pytest.raises(ImportProblem, match="has 7 samples;"):
+        read_file(path)
