@@ -235,3 +235,13 @@ def test_an_external_force_enters_the_surface():
     assert found.damping[1].value == pytest.approx(
         2.0, rel=0.05
     )  # the test's own velocity is a central difference
+
+
+@pytest.mark.parametrize("seed", [12, 15, 21])
+def test_quadratic_damping_beside_dry_friction_leaves_the_stiffness_alone(seed: int) -> None:
+    """Both bend the velocity at a reversal; where only friction was given back, K was 7 to 11 standard errors too small."""
+    sample = draw("quadratic_damping", 0.02, seed)
+    found = identify_restoring_force(aligned(sample))
+    stiffness = found.parameters["stiffness K"]
+    assert found.order == 2
+    assert abs(stiffness.value - MASS * sample.truth["stiffness_per_mass"]) < 5.0 * stiffness.std
