@@ -89,7 +89,8 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
 
 def _pivot(x: Array, y: Array) -> tuple[float, float] | None:
     """Return the centre of the arc: the origin, or else that of the circle that fits (Kasa 1976), and better than a line."""
-    if _on_arc(x, y, (0.0, 0.0), 3.0 * ROUND * amplitude(x)):
+    loose = 3.0 * ROUND * amplitude(x)
+    if _on_arc(x, y, (0.0, 0.0), loose):
         return 0.0, 0.0
     there = np.isfinite(x) & np.isfinite(y)
     a, b = x[there], y[there]
@@ -98,7 +99,7 @@ def _pivot(x: Array, y: Array) -> tuple[float, float] | None:
     matrix = np.column_stack([2.0 * (a - a.mean()), 2.0 * (b - b.mean()), np.ones(len(a))])
     u, v, _ = np.linalg.lstsq(matrix, (a - a.mean()) ** 2 + (b - b.mean()) ** 2, rcond=None)[0]
     centre = float(u + a.mean()), float(v + b.mean())
-    return centre if _on_arc(x, y, centre, min(3.0 * ROUND * amplitude(x), amplitude(y))) else None
+    return centre if _on_arc(x, y, centre, min(loose, amplitude(y))) else None
 
 
 def _on_arc(x: Array, y: Array, centre: tuple[float, float], most: float) -> bool:

@@ -207,9 +207,9 @@ def _onset(rate: float, channel: Channel, period: float, burst: Burst, earliest:
     onset = locate(channel.values, period, channel.derivative, around, max(0.15 * period, 2.0), push)
     if onset is not None and onset.misfit < 0.5 * onset.misfit_without:
         return onset
-    # the coarse place may be late: four points of a short hold are enough, a longer one ends well before it
-    earlier = [max(first + stop - round(share * turn), 0) for share in (1.0, 0.2, 0.1)]
-    before = coarse[earlier[0] : max(earlier[1], min(earlier[0] + 4, earlier[2]))]
+    # the coarse place may be late: a hold is looked at until well before it, a short one for four points
+    since, well, just = (max(first + stop - round(share * turn), 0) for share in (1.0, 0.2, 0.1))
+    before = coarse[since : max(well, min(since + 4, just))]
     if (
         stop - begin < 0.1 * turn
         or len(before) < 4

@@ -85,7 +85,8 @@ def fit_orders(
 ) -> list[ForceFit]:
     """Solve eq. (17) for every damping order, with one covariance of the rows.
 
-    A first solution of first order says how large the friction's jump is and where the resonance lies.
+    A first solution, of second order at most, says how friction bends the velocity at a reversal, and where the
+    resonance lies.
     """
     motion, w = window.motion, window.angular_frequency
     u, v = window.cut(motion.displacement), window.cut(motion.velocity)
@@ -108,8 +109,9 @@ def fit_orders(
     direction = direction_of(v)
     factor = factor_of(_covariance(window, windows, 0.0, w**2))
     order = min(max(max_order, 1), 2)
-    mu_0, mu_1, *more = _solved(rows(direction), factor, order, len(others)).values
-    k_1, drag = more[order - 1] if 1 in stiffness_orders else w**2, more[0] if order > 1 else 0.0
+    first = _solved(rows(direction), factor, order, len(others)).values
+    mu_0, mu_1, drag = first[0], first[1], first[2] if order == 2 else 0.0
+    k_1 = first[order + 1] if 1 in stiffness_orders else w**2
 
     direction = refine_reversals(v, direction, max(mu_0, 0.0), drag, motion.rate, w, window.blur)
     band = _covariance(window, windows, mu_1, k_1)

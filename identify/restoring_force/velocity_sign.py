@@ -40,8 +40,9 @@ def refine_reversals(
     """Return the direction with its reversals placed by the samples an eighth of a cycle to either side.
 
     Between reversals the velocity is a sine, of two amplitudes: before and after they differ by dry friction `dry`
-    (m/s^2) and by quadratic damping `drag` (1/m). That difference is given back, and one sine with an offset is fitted
-    across the reversal.
+    (m/s^2), from whose step at the reversal an oscillator answers with sin|a|/w at the angle a, and by quadratic damping
+    `drag` (1/m), whose step sin^2 a it answers with 2/3 (1 - cos a) sin|a|/w. That difference is given back, and one sine
+    with an offset is fitted across the reversal.
     `blur` samples next to the reversal are left out, where smoothing has rounded its kink.
     """
     reach = max(3, int(_QUIET_CYCLES * 2 * np.pi * rate / angular_frequency)) + blur
