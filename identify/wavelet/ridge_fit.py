@@ -25,6 +25,7 @@ from identify.wavelet.envelope import (
     PhaseFit,
     fit_envelope,
     fit_phase,
+    phase_model,
     solve_integrated,
 )
 
@@ -36,7 +37,6 @@ _SETTLED = 0.05
 _ROUNDS = 30
 _STEPS_PER_CYCLE = 200  # the frequency of a fourth-order step is then off by 1e-8
 _RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
-_ASTRAY = 2.0
 _BAND = 3.0  # factor about the frequency of the ridge within which it sees anything
 
 
@@ -237,9 +237,8 @@ def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -
 def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
 
-    "Nothing" is a twentieth of the envelope's noise; at most 30 times, which strong damping needs. Where a round changes
-    twice as much as the least one, or leads to a motion that runs away, the fit before the least one counts; RunsAway where
-    the first does.
+    "Nothing" is a twentieth of the envelope's noise; at most 30 times, which strong damping needs. Where they do not settle,
+    or lead to a motion that runs away, the fit before the round of least change counts; RunsAway where the first does.
     """
     sound, least = fit, np.inf
     raw_envelope, raw_phase, _ = observed.measured
@@ -250,14 +249,14 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
             if not at:
                 raise
             return sound
-        envelope = raw_envelope - (seen_envelope - fit.envelope_fit.fit)
-        phase = raw_phase - (seen_phase - fit.phase_fit.fit)
+        model = fit.envelope_fit.fit
+        averaged = phase_model(fit.phase_fit.parameters, model, observed.step, fit.stiffness_orders)
+        envelope = raw_envelope - (seen_envelope - model)
+        phase = raw_phase - (seen_phase - averaged)
         size = np.abs(envelope)
         change = np.maximum(np.abs(envelope - fit.envelope), np.abs(phase - fit.phase) * size)
         change *= observed.weight > 0
         largest = float(np.max(change / np.sqrt(observed.variance)))
-        if largest > _ASTRAY * least:
-            return sound
         if largest < least:
             sound, least = fit, largest
         fit = replace(
@@ -270,5 +269,5 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
             phase=phase,
         )
         if largest < _SETTLED:
-            break
-    return fit
+            return fit
+    return sound

@@ -37,7 +37,7 @@ from identify.wavelet.ridge_spread import clearances_of, spreads_of
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _FEWEST_CYCLES = 3.0
-_CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
+_CHANGES_OF_MODEL = 5  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
 _LOST = 100.0  # misfit of the envelope, %, above which a constant one would be better: the rounds went astray
@@ -95,7 +95,7 @@ def identify_wavelet(
     """
     decay, begins = block_averaged(aligned(decay))
     start, observed = _observed(decay)
-    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)))
+    fit = _begun(observed, min(1, max_order))
     wanted = {1, *stiffness_orders} & set(STIFFNESS_ORDERS[-1])
     tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
     fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
@@ -119,6 +119,17 @@ def _observed(decay: FreeDecay) -> tuple[int, Observed]:
     return part.start, observe(whole[part], valid[part], decay.rate, derivatives, w, noise)
 
 
+def _begun(observed: Observed, order: int) -> RidgeFit:
+    """Fit damping of this order and a cubic spring, or a linear one where with a cubic one the motion would run away.
+
+    A cubic spring that is left out bends the phase, and passes for damping of high order; one too many is dropped later.
+    """
+    try:
+        return free_of_bias(observed, first_fit(observed, order, (1, 3)))
+    except RunsAway:
+        return free_of_bias(observed, first_fit(observed, order, (1,)))
+
+
 def _with_orders(
     observed: Observed, begun: RidgeFit, damping: tuple[int, int], tried: tuple[tuple[int, ...], ...]
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
@@ -135,11 +146,12 @@ def _with_orders(
         backbones = [other_backbone(observed, fit, orders) for orders in tried]
         order, reason = _choose_damping(observed, fit, trials, least)
         best, stiffness_reason = _choose_stiffness(observed, fit, backbones, tried)
-        if order == fit.order and tried[best] == fit.stiffness_orders:
+        if tried[best] != fit.stiffness_orders:
+            changed = replace(fit, phase_fit=backbones[best], stiffness_orders=tried[best])
+        elif order != fit.order:
+            changed = replace(fit, envelope_fit=trials[order])
+        else:
             break
-        changed = replace(
-            fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=tried[best]
-        )
         try:
             settled = free_of_bias(observed, changed)
             if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
