@@ -27,5 +27,6 @@ def command(
 
     opened = open_session(session, settings.sessions)
     compared, document = compare_session(opened, settings, model_file, effects_file)
-    step = "report" if compared.judged.at_floor else "diagnose"
+    judged = compared.judged
+    step = "report" if judged.at_floor and judged.floor_is_sure else "diagnose"
     answer(document, told(compared), step, opened.folder, full=full)
