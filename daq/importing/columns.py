@@ -73,6 +73,14 @@ KINDS = frozenset({
 })  # fmt: skip
 """Words behind a unit that say which reading it is."""
 
+_RUN_WORDS = (
+    "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
+    "prova|ensayo|meting|data ?set|recording|decay"
+)
+BY_WORD = re.compile(
+    rf"[\s,_:;./-]*(?<![a-z])(?:{_RUN_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
+    re.I,
+)
 _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),
@@ -97,8 +105,12 @@ class Meaning:
 
 
 def split_unit(header: str) -> tuple[str, str, Unit | None]:
-    """Return the name in a header, the unit's text and the unit: `Position (mm)`, `Weg / rad`, `acc [g]`, `time_s`."""
+    """Return the name in a header, the unit's text and the unit: `Position (mm)`, `Weg / rad`, `acc [g]`, `time_s`.
+
+    A word and the number of a run are no part of either: `Position (mm) Run #1`.
+    """
     header = " ".join(header[:200].split())
+    header = BY_WORD.sub(" ", header).strip() or header
     for form in _UNIT_FORMS:
         match = form.fullmatch(header)
         if match and (unit := parse_unit(match[2])):

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from daq.importing.columns import split_unit, words
+from daq.importing.columns import BY_WORD, split_unit, words
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
@@ -19,14 +19,6 @@ Made = TypeVar("Made")
 Named = tuple[str, str]
 FEWEST_ROWS = 8
 MOST_RUNS = 1000
-_WORDS = (
-    "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
-    "prova|ensayo|meting|data ?set|recording|decay"
-)
-_BY_WORD = re.compile(
-    rf"[\s,_:;./-]*(?<![a-z])(?:{_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
-    re.I,
-)
 _STRUCTURE = re.compile(r".*\((\d{1,4})\)\.(.+)")
 _BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
 _COPY = re.compile(r"(.*\S)\.\d{1,3}")
@@ -50,7 +42,7 @@ def _word(column: SourceColumn) -> Named | None:
     structure = _STRUCTURE.fullmatch(column.label)
     if structure is not None:
         return structure[2], structure[1]
-    match = _BY_WORD.search(column.label)
+    match = BY_WORD.search(column.label)
     if match is None:
         return None
     rest = f"{column.label[: match.start()]} {column.label[match.end() :]}".strip(" ,:;_-")

@@ -6,7 +6,7 @@ nearly the same parameters. So the fitted model is integrated exactly, sent thro
 what the transform then shows beyond the averaged model is taken off the measurement; a few rounds suffice.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, pi, sqrt
 
@@ -25,7 +25,6 @@ from identify.wavelet.envelope import (
     PhaseFit,
     fit_envelope,
     fit_phase,
-    phase_model,
     solve_integrated,
 )
 
@@ -33,8 +32,6 @@ WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12
 POINTS_PER_CYCLE = 8
 _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 _MOST_POINTS = 400
-_SETTLED = 0.05
-_ROUNDS = 30
 _STEPS_PER_CYCLE = 200  # the frequency of a fourth-order step is then off by 1e-8
 _RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
 _BAND = 3.0  # factor about the frequency of the ridge within which it sees anything
@@ -232,42 +229,3 @@ def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
 def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -> PhaseFit:
     """Fit other stiffness orders to the phase of `fit`, as it stands freed of bias."""
     return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
-
-
-def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
-    """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
-
-    "Nothing" is a twentieth of the envelope's noise; at most 30 times, which strong damping needs. Where they do not settle,
-    or lead to a motion that runs away, the fit before the round of least change counts; RunsAway where the first does.
-    """
-    sound, least = fit, np.inf
-    raw_envelope, raw_phase, _ = observed.measured
-    for at in range(_ROUNDS):
-        try:
-            seen_envelope, seen_phase = seen_of(observed, fit)
-        except RunsAway:
-            if not at:
-                raise
-            return sound
-        model = fit.envelope_fit.fit
-        averaged = phase_model(fit.phase_fit.parameters, model, observed.step, fit.stiffness_orders)
-        envelope = raw_envelope - (seen_envelope - model)
-        phase = raw_phase - (seen_phase - averaged)
-        size = np.abs(envelope)
-        change = np.maximum(np.abs(envelope - fit.envelope), np.abs(phase - fit.phase) * size)
-        change *= observed.weight > 0
-        largest = float(np.max(change / np.sqrt(observed.variance)))
-        if largest < least:
-            sound, least = fit, largest
-        fit = replace(
-            fit,
-            envelope_fit=fit_envelope(
-                envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1
-            ),
-            phase_fit=fit_phase(phase, size, observed.step, fit.stiffness_orders, observed.weight),
-            envelope=envelope,
-            phase=phase,
-        )
-        if largest < _SETTLED:
-            return fit
-    return sound

@@ -33,20 +33,20 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     covariance[cut:, cut:] += _misfit(
         observed, fit.phase - fit.phase_fit.fit, spread / _amplitude(fit), phase_gain, len(phase_gain)
     )
-    mixing = _mixing(observed, fit)
+    mixing = mixing_of(observed, fit)
     covariance = mixing @ covariance @ mixing.T
     errors = np.sqrt(np.diag(covariance))
     return errors[:cut], errors[cut:]
 
 
-def _mixing(observed: Observed, fit: RidgeFit) -> Array:
+def mixing_of(observed: Observed, fit: RidgeFit) -> Array:
     """Return what carries parameters gained by averaging into those of the exact decay, shape (p, p)."""
     seen = seen_of(observed, fit)
     size = _sizes(fit, observed)
     answer = np.empty((len(size), len(size)))
     for i, step in enumerate(1e-3 * size):
-        moved = seen_of(observed, _moved(observed, fit, np.where(np.arange(len(size)) == i, step, 0.0)))
-        envelope, phase = moved[0] - seen[0], moved[1] - seen[1]
+        beside = moved(observed, fit, np.where(np.arange(len(size)) == i, step, 0.0))
+        envelope, phase = (there - here for there, here in zip(seen_of(observed, beside), seen, strict=True))
         answer[:, i] = np.concatenate([fit.envelope_fit.gain @ envelope, fit.phase_fit.gain @ phase]) / step
     scale = size[:, None] / size
     return np.asarray(np.linalg.pinv(answer / scale, rcond=1e-6) * scale)
@@ -101,7 +101,8 @@ def _sizes(fit: RidgeFit, observed: Observed) -> Array:
     return np.array([start, *damping, 1.0, *stiffness])
 
 
-def _moved(observed: Observed, fit: RidgeFit, change: Array) -> RidgeFit:
+def moved(observed: Observed, fit: RidgeFit, change: Array) -> RidgeFit:
+    """Change the parameters of a fit, (p,), and what the averaged model gives for them; not what was measured."""
     cut = fit.order + 2
     decay, phases = fit.envelope_fit.parameters + change[:cut], fit.phase_fit.parameters + change[cut:]
     points, step = len(fit.envelope), observed.step

@@ -18,16 +18,16 @@ from identify.preprocessing.usable import usable
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
-from identify.signal.order_selection import choose_order
+from identify.signal.order_selection import CLEAR, choose_order
 from identify.summary import Summary
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
+from identify.wavelet.free_of_bias import free_of_bias
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,
     RunsAway,
     exact_decay,
     first_fit,
-    free_of_bias,
     observe,
     other_backbone,
     other_order,
@@ -131,16 +131,20 @@ def _begun(observed: Observed, order: int) -> RidgeFit:
 
 
 def _with_orders(
-    observed: Observed, begun: RidgeFit, damping: tuple[int, int], tried: tuple[tuple[int, ...], ...]
+    observed: Observed,
+    begun: RidgeFit,
+    damping: tuple[int, int],
+    tried: tuple[tuple[int, ...], ...],
+    refused: str = "",
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
     which the motion would diverge, or that no rounds settle, are not tried again: first those of stiffness,
-    then those of damping.
+    then those of damping; nor is an order of stiffness that is not clear of zero once it is settled. `refused` says which.
     """
     least, most = damping
-    fit, refused = begun, "" if tried[-1] == STIFFNESS_ORDERS[-1] else ": with one the motion would diverge"
+    fit = begun
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(most + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in tried]
@@ -160,8 +164,14 @@ def _with_orders(
         except RunsAway:
             if not best and order <= least:
                 raise
-            fewer = (damping, tried[:best]) if best else ((least, order - 1), tried)
-            return _with_orders(observed, begun, *fewer)
+            if not best:
+                return _with_orders(observed, begun, (least, order - 1), tried, refused)
+            return _with_orders(observed, begun, damping, tried[:best], ": with one the motion would diverge")
+    at = tried.index(fit.stiffness_orders)
+    away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1] if at else np.inf
+    if away < CLEAR:
+        far = f": order {tried[at][-1]} would be only {away:.1f} standard errors from zero"
+        return _with_orders(observed, begun, damping, tried[:at], far)
     return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason + refused)
 
 

@@ -82,6 +82,16 @@ def test_twelve_runs_keep_their_numbers_and_one_is_chosen(tmp_path: Path) -> Non
     assert "name one, as in --run 1" in refusal(tmp_path, path.read_bytes())
 
 
+@pytest.mark.parametrize(("unit", "factor"), [("cm", 100.0), ("mm", 1000.0), ("deg", 180.0 / np.pi)])
+def test_the_unit_before_the_number_of_the_only_run_counts(tmp_path: Path, unit: str, factor: float) -> None:
+    ((t, x),) = releases((200,))
+    quantity = "Angle" if unit == "deg" else "Position"
+    found = read_file(
+        write(tmp_path, wide(f"Time (ms) Run #1;{quantity} ({unit}) Run #1", [1e3 * t, factor * x]))
+    )
+    np.testing.assert_allclose(found.samples[0], x, rtol=1e-8, atol=1e-12)
+
+
 def test_missing_values_within_a_run_are_lost_and_those_after_it_are_not(tmp_path: Path) -> None:
     (t, x), (u, y) = releases((200, 120))
     x = x.copy()
