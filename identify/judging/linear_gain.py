@@ -16,6 +16,7 @@ from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import close_starts, inner_values, rest_states, term_starts
 from identify.fitting.jacobian import linearise
+from identify.fitting.model_error import motion_percent
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
@@ -133,6 +134,9 @@ def weak_strength(prepared: PreparedDecay, term: Term, inner: dict[str, float]) 
 _LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
 
+_IN_PHASE = 50.0
+"""% of the motion."""
+
 Starts = tuple[dict[str, float], ...]
 """Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
 
@@ -147,8 +151,11 @@ _INDEPENDENT = 1e-6
 
 
 def is_near(base: Fit) -> bool:
-    """Check that a fit is near enough to the readings for one more effect to move them in proportion."""
-    return base.reduced < _LINEAR_UP_TO
+    """Check that a fit is near enough to the readings for one more effect to move them in proportion.
+
+    One that leaves half of the motion has lost its phase, however large the noise is: nothing of it is worth keeping.
+    """
+    return base.reduced < _LINEAR_UP_TO and motion_percent(base) < _IN_PHASE
 
 
 @dataclass(frozen=True, eq=False)
