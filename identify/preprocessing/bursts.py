@@ -63,7 +63,9 @@ def find_bursts(lead: Channel, period: float) -> list[Burst]:
             position = max(peak + lap, first + 1)
             continue
         half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
-        start = first + int(half[-1]) if len(half) else first
+        start, before = first + int(half[-1]) if len(half) else first, first
+        while peak > before:  # after the node of a beat it grows for long
+            before, peak = peak, peak + int(np.argmax(amplitude[peak : peak + 4 * lap]))
         stop = _where_it_ends(amplitude, peak, floor)
         size = float(amplitude[peak])
         mirrored = bool(bursts) and _is_mirrored(amplitude, position, min(size, bursts[-1].amplitude))

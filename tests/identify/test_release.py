@@ -303,6 +303,14 @@ def test_a_beat_is_one_release_wherever_in_it_the_record_begins(begins: float) -
     assert len(find_releases(FreeDecay(20.0, displacement=u))) == 1
 
 
+def test_a_beat_that_rises_for_many_cycles_is_one_release() -> None:
+    """Two pendulums, 0.7085 and 0.7257 Hz: the amplitude grows for twenty cycles after its node at 29 s."""
+    times = np.arange(1400) / 20.0
+    modes = np.cos(2.0 * np.pi * 0.7085 * times) + 0.95 * np.cos(2.0 * np.pi * 0.7257 * times)
+    u = np.exp(-0.01 * times) * modes + 2e-3 * np.random.default_rng(6).standard_normal(1400)
+    assert [release.end for release in find_releases(FreeDecay(20.0, u))] == [1400]
+
+
 @pytest.mark.parametrize("second", [0.03, 0.08])
 def test_a_second_release_is_no_beat(second: float) -> None:
     times = np.arange(1200) / 32.0
