@@ -60,4 +60,4 @@ def command(
     folders = [session.folder for session in opened.sessions]
     answer(document.plain(), words, *next_command(document, folders), full=full)
     if document.verdict == "not_enough_data":
-        raise Answered(f"not enough data: {document.explanation}")
+        raise Answered("not enough data to distinguish effects")

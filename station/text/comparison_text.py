@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identify.fitting.model_error import noise_percent
+from identify.fitting.model_error import may_hide_anything, noise_percent
 from identify.formatting import plain_name, three_figures
 from station.story.pipeline import Compared
 from station.story.residual import floor_words
@@ -27,10 +27,12 @@ def told(compared: Compared) -> Told:
         f"{three_figures(found.force_floor)} % by noise alone"
     )
     places = [(f"{place.significance:.0f} sigma", typeset(place.text)) for place in found.places]
+    guessed = "The noise of this record is only a guess, and may be as large as what is left: so may the places below."
     rows = [
         ("model", " + ".join(plain_name(name) for name in fit.model.names)),
         ("fit", "" if fit.converged and not fit.unidentifiable else fit.outcome),
         ("noise alone", noise),
+        ("caution", guessed if may_hide_anything(compared.judged, compared.judged.fit) else ""),
         ("cause", typeset(found.cause)),
         *(places[:FEW_PLACES] or [("", typeset(found.summary))]),
     ]
