@@ -129,7 +129,7 @@ def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, .
     first = int(np.flatnonzero(np.diff(index) > 1)[0])
     return (
         f"{counted(lost, 'sample is', 'samples are')} missing by the time stamps, "
-        f"the first before t = {time[first + 1] - time[0]:.6g} s{table.at(rows[first + 1])}; marked as lost",
+        f"the first {time[first + 1] - time[0]:.6g} s after the first reading{table.at(rows[first + 1])}; marked as lost",
     )
 
 

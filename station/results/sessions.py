@@ -261,7 +261,7 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
     motions = [cut(recording, one.index, one.end) for one in releases[:-1]]
     if 3 * sum(goes_on(free_decay(motion, Options())) for motion in motions) > len(motions):
         return [recording], (
-            f"{len(releases)} beginnings of a motion found, many of which do not die away, as where it is driven or "
+            f"{len(releases)} beginnings of a motion found, some of which do not die away, as where it is driven or "
             "beats: the file is one session",
         )
     return pieces, (f"{len(releases)} releases found: each becomes a session",)
