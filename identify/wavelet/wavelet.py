@@ -139,9 +139,10 @@ def _with_orders(
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
-    `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
-    which the motion would diverge, or that no rounds settle, are not tried again: first those of stiffness,
-    then those of damping; nor is an order of stiffness that is not clear of zero once it is settled. `refused` says which.
+    `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Stiffness is chosen
+    before damping. Orders with which the motion would diverge, or that no rounds settle, are not tried again: first those of
+    stiffness, then those of damping; nor is an order of stiffness that is not clear of zero once its bias is off. `refused`
+    says why the next one is not tried.
     """
     least, most = damping
     fit = begun
@@ -162,11 +163,11 @@ def _with_orders(
                 raise RunsAway
             fit = settled
         except RunsAway:
-            if not best and order <= least:
-                raise
-            if not best:
+            if best:
+                return _with_orders(observed, begun, damping, tried[:best], ": with one the motion would diverge")
+            if order > least:
                 return _with_orders(observed, begun, (least, order - 1), tried, refused)
-            return _with_orders(observed, begun, damping, tried[:best], ": with one the motion would diverge")
+            raise
     at = tried.index(fit.stiffness_orders)
     away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1] if at else np.inf
     if away < CLEAR:
