@@ -164,7 +164,9 @@ def _with_orders(
             fit = settled
         except RunsAway:
             if best:
-                return _with_orders(observed, begun, damping, tried[:best], ": with one the motion would diverge")
+                return _with_orders(
+                    observed, begun, damping, tried[:best], ": with one the motion would diverge"
+                )
             if order > least:
                 return _with_orders(observed, begun, (least, order - 1), tried, refused)
             raise
