@@ -40,7 +40,6 @@ _FEWEST_CYCLES = 3.0
 _CHANGES_OF_MODEL = 5  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
-_LOST = 100.0  # misfit of the envelope, %, above which a constant one would be better: the rounds went astray
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
@@ -140,9 +139,9 @@ def _with_orders(
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Stiffness is chosen
-    before damping. Orders with which the motion would diverge, or that no rounds settle, are not tried again: first those of
-    stiffness, then those of damping; nor is an order of stiffness that is not clear of zero once its bias is off. `refused`
-    says why the next one is not tried.
+    before damping. Orders with which the motion would diverge are not tried again: first those of stiffness, then those of
+    damping; nor is an order of stiffness that is not clear of zero once its bias is off. `refused` says why the next one is
+    not tried.
     """
     least, most = damping
     fit = begun
@@ -158,10 +157,7 @@ def _with_orders(
         else:
             break
         try:
-            settled = free_of_bias(observed, changed)
-            if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
-                raise RunsAway
-            fit = settled
+            fit = free_of_bias(observed, changed)
         except RunsAway:
             if best:
                 return _with_orders(
