@@ -126,16 +126,40 @@ class Whitening:
 @compiled()
 def _gains(transition, seen, variance, used):  # type: ignore[no-untyped-def]
     """Return the gains (n, m) of the filter and one over the standard deviation of each innovation (n,)."""
-    gains, scale = np.zeros((len(used), len(seen))), np.zeros(len(used))
-    p = np.diag(variance)
-    left = p - transition @ p @ transition.T
-    for i in range(len(used)):
+    n, m = len(used), len(seen)
+    gains, scale = np.zeros((n, m)), np.zeros(n)
+    p, moved = np.zeros((m, m)), np.zeros((m, m))
+    left, shown = np.zeros(m), np.zeros(m)
+    for j in range(m):
+        p[j, j] = variance[j]
+        left[j] = variance[j]
+        for k in range(m):
+            left[j] -= variance[j] * transition[j, k] ** 2
+    for i in range(n):
         if used[i]:
-            shown = p @ seen
-            size = 1.0 + seen @ shown
-            gains[i], scale[i] = shown / size, 1.0 / np.sqrt(size)
-            p = p - np.outer(shown, gains[i])
-        p = transition @ p @ transition.T + left
+            size = 1.0
+            for j in range(m):
+                shown[j] = 0.0
+                for k in range(m):
+                    shown[j] += p[j, k] * seen[k]
+                size += seen[j] * shown[j]
+            for j in range(m):
+                gains[i, j] = shown[j] / size
+                for k in range(m):
+                    p[j, k] -= shown[j] * shown[k] / size
+            scale[i] = 1.0 / np.sqrt(size)
+        for j in range(m):
+            for k in range(m):
+                moved[j, k] = 0.0
+                for o in range(m):
+                    moved[j, k] += transition[j, o] * p[o, k]
+        for j in range(m):
+            for k in range(m):
+                total = 0.0
+                for o in range(m):
+                    total += moved[j, o] * transition[k, o]
+                p[j, k] = total
+            p[j, j] += left[j]
     return gains, scale
 
 
