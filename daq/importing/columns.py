@@ -107,10 +107,15 @@ class Meaning:
 def split_unit(header: str) -> tuple[str, str, Unit | None]:
     """Return the name in a header, the unit's text and the unit: `Position (mm)`, `Weg / rad`, `acc [g]`, `time_s`.
 
-    A word and the number of a run are no part of either: `Position (mm) Run #1`.
+    Where a header ends in no unit, one before the word and the number of a run counts: `Position (mm) Run #1`.
     """
     header = " ".join(header[:200].split())
-    header = BY_WORD.sub(" ", header).strip() or header
+    found = _split(header)
+    before = found if found[2] else _split(BY_WORD.sub(" ", header).strip())
+    return before if before[0] and before[2] else found
+
+
+def _split(header: str) -> tuple[str, str, Unit | None]:
     for form in _UNIT_FORMS:
         match = form.fullmatch(header)
         if match and (unit := parse_unit(match[2])):

@@ -63,12 +63,12 @@ def find_bursts(lead: Channel, period: float) -> list[Burst]:
             position = max(peak + lap, first + 1)
             continue
         half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
-        start, before = first + int(half[-1]) if len(half) else first, first
-        while peak > before:  # after the node of a beat it grows for long
-            before, peak = peak, peak + int(np.argmax(amplitude[peak : peak + 4 * lap]))
-        stop = _where_it_ends(amplitude, peak, floor)
-        size = float(amplitude[peak])
+        start = first + int(half[-1]) if len(half) else first
+        size, before = float(amplitude[peak]), first
         mirrored = bool(bursts) and _is_mirrored(amplitude, position, min(size, bursts[-1].amplitude))
+        while mirrored and peak > before:  # after the node of a beat it may grow for long
+            before, peak = peak, peak + int(np.argmax(amplitude[peak : peak + lap]))
+        stop, size = _where_it_ends(amplitude, peak, floor), float(amplitude[peak])
         bursts.append(Burst(start * step, min(stop * step, len(lead.values)), size, mirrored))
         position = max(stop, peak + 1)
     return bursts

@@ -40,6 +40,7 @@ _FEWEST_CYCLES = 3.0
 _CHANGES_OF_MODEL = 5  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
+_SHOWN = 0.1  # where it leaves so little, the order is there, however uncertain its size
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
@@ -140,8 +141,8 @@ def _with_orders(
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Stiffness is chosen
     before damping. Orders with which the motion would diverge are not tried again: first those of stiffness, then those of
-    damping; nor is an order of stiffness that is not clear of zero once its bias is off. `refused` says why the next one is
-    not tried.
+    damping; nor is an order of stiffness that is not clear of zero once its bias is off, unless the misfit shows that it is
+    there. `refused` says why the next one is not tried.
     """
     least, most = damping
     fit = begun
@@ -149,7 +150,7 @@ def _with_orders(
         trials = [other_order(observed, fit, order) for order in range(most + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in tried]
         order, reason = _choose_damping(observed, fit, trials, least)
-        best, stiffness_reason = _choose_stiffness(observed, fit, backbones, tried)
+        best, stiffness_reason, misfits = _choose_stiffness(observed, fit, backbones, tried)
         if tried[best] != fit.stiffness_orders:
             changed = replace(fit, phase_fit=backbones[best], stiffness_orders=tried[best])
         elif order != fit.order:
@@ -166,8 +167,9 @@ def _with_orders(
             if order > least:
                 return _with_orders(observed, begun, (least, order - 1), tried, refused)
             raise
-    at = tried.index(fit.stiffness_orders)
-    away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1] if at else np.inf
+    at, away = tried.index(fit.stiffness_orders), np.inf
+    if at and misfits[at] > _SHOWN * min(misfits[:at]):
+        away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1]
     if away < CLEAR:
         far = f": order {tried[at][-1]} would be only {away:.1f} standard errors from zero"
         return _with_orders(observed, begun, damping, tried[:at], far)
@@ -186,14 +188,14 @@ def _choose_damping(
 
 def _choose_stiffness(
     observed: Observed, fit: RidgeFit, trials: list[PhaseFit], tried: tuple[tuple[int, ...], ...]
-) -> tuple[int, str]:
+) -> tuple[int, str, list[float]]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of(observed, fit, trials, phase=True)
     noise = float(np.mean(observed.variance * observed.weight**2))
     highest = [orders[-1] for orders in tried]
     order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness")
-    return highest.index(order), reason
+    return highest.index(order), reason, misfits
 
 
 def _worth(misfits: list[float], noise: float) -> list[float]:
