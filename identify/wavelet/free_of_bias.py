@@ -26,13 +26,14 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
     "Nothing" is a twentieth of the envelope's noise. Where 30 rounds do not settle, or lead to a motion that runs away, the
     fit before the round of least change counts; RunsAway where the first does.
     """
-    sound, least = fit, np.inf
+    fit = sound = replace(fit, ahead=None)
+    least = np.inf
     for at in range(_ROUNDS):
         try:
             following, change = _following(observed, fit)
+            ahead = _parameters(following) - _parameters(fit)
             if at >= _PLAIN and change < least:
-                step = _parameters(following) - _parameters(fit)
-                following = moved(observed, following, mixing_of(observed, fit) @ step - step)
+                following = moved(observed, following, mixing_of(observed, fit) @ ahead - ahead)
         except RunsAway:
             if not at:
                 raise
@@ -40,7 +41,7 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
         if change < _SETTLED:
             return following
         if change < least:
-            sound, least = fit, change
+            sound, least = replace(fit, ahead=ahead), change
         fit = following
     return sound
 

@@ -98,13 +98,17 @@ class Observed:
 
 @dataclass(frozen=True, eq=False)
 class RidgeFit:
-    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,)."""
+    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
+
+    Where the rounds that free it do not settle, `ahead` is by what one more would change the parameters of both, (p,).
+    """
 
     envelope_fit: EnvelopeFit
     phase_fit: PhaseFit
     stiffness_orders: tuple[int, ...]
     envelope: Array
     phase: Array
+    ahead: Array | None = None
 
     @property
     def order(self) -> int:

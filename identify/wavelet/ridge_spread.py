@@ -21,8 +21,8 @@ from identify.wavelet.ridge_fit import Observed, RidgeFit, seen_of
 def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return the standard errors of k(0), c_0, ... and of phi(0), w_1, ... of `fit`.
 
-    White noise of the samples carried through the transform, and the misfit where there is one. Raises RunsAway where a
-    motion so near the fitted one grows without end.
+    White noise of the samples carried through the transform, the misfit where there is one, and how far the fit is from
+    settled. Raises RunsAway where a motion so near the fitted one grows without end.
     """
     gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
     cut = len(gain)
@@ -36,6 +36,8 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     mixing = mixing_of(observed, fit)
     covariance = mixing @ covariance @ mixing.T
     errors = np.sqrt(np.diag(covariance))
+    if fit.ahead is not None:
+        errors = np.hypot(errors, mixing @ fit.ahead)
     return errors[:cut], errors[cut:]
 
 

@@ -256,7 +256,7 @@ def _estimates(
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
     if fit.order == 0 and viscous:
-        usual = replace(fit, envelope_fit=other_order(observed, fit, 1))
+        usual = replace(fit, envelope_fit=other_order(observed, fit, 1), ahead=None)
         try:
             of_usual = spreads_of(observed, usual)[0][1:2] / envelope_factors(w, 0)
         except RunsAway:
