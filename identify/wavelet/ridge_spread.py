@@ -22,7 +22,8 @@ def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return the standard errors of k(0), c_0, ... and of phi(0), w_1, ... of `fit`.
 
     White noise of the samples carried through the transform, the misfit where there is one, and how far the fit is from
-    settled, by Newton's step or by one plain round, whichever is more. Raises RunsAway where a motion so near the fitted one grows without end.
+    settled, by Newton's step or by one plain round, whichever is more. Raises RunsAway where a motion so near the fitted
+    one grows without end.
     """
     gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
     cut = len(gain)
