@@ -77,7 +77,7 @@ _RUN_WORDS = (
     "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
     "prova|ensayo|meting|data ?set|recording|decay"
 )
-BY_WORD = re.compile(
+RUN_AND_NUMBER = re.compile(
     rf"[\s,_:;./-]*(?<![a-z])(?:{_RUN_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
     re.I,
 )
@@ -111,7 +111,7 @@ def split_unit(header: str) -> tuple[str, str, Unit | None]:
     """
     header = " ".join(header[:200].split())
     found = _split(header)
-    before = found if found[2] else _split(BY_WORD.sub(" ", header).strip())
+    before = found if found[2] else _split(RUN_AND_NUMBER.sub(" ", header).strip())
     return before if before[0] and before[2] else found
 
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from daq.importing.columns import BY_WORD, split_unit, words
+from daq.importing.columns import RUN_AND_NUMBER, split_unit, words
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
@@ -42,7 +42,7 @@ def _word(column: SourceColumn) -> Named | None:
     structure = _STRUCTURE.fullmatch(column.label)
     if structure is not None:
         return structure[2], structure[1]
-    match = BY_WORD.search(column.label)
+    match = RUN_AND_NUMBER.search(column.label)
     if match is None:
         return None
     rest = f"{column.label[: match.start()]} {column.label[match.end() :]}".strip(" ,:;_-")

@@ -135,7 +135,7 @@ _LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
 
 _IN_PHASE = 50.0
-"""% of the motion."""
+"""% of the motion that a fit leaves which has lost its phase, however large the noise: nothing of it is worth keeping."""
 
 Starts = tuple[dict[str, float], ...]
 """Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
@@ -151,10 +151,7 @@ _INDEPENDENT = 1e-6
 
 
 def is_near(base: Fit) -> bool:
-    """Check that a fit is near enough to the readings for one more effect to move them in proportion.
-
-    One that leaves half of the motion has lost its phase, however large the noise is: nothing of it is worth keeping.
-    """
+    """Check that a fit is near enough to the readings for one more effect to move them in proportion."""
     return base.reduced < _LINEAR_UP_TO and motion_percent(base) < _IN_PHASE
 
 

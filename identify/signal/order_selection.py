@@ -13,13 +13,14 @@ def choose_order(
     clearances: Sequence[float],
     worth: Sequence[float],
     what: str,
+    higher: str = "no higher order was tried",
 ) -> tuple[int, str]:
     """Return the chosen order and a sentence that says why.
 
     `orders` ascending; `misfits` the mean square error of each; `clearances` the highest coefficient of each
     over its standard error; `worth` the share of the best lower order's misfit below which each must come. The
     highest order is taken that stands clear of zero and is worth it; the lowest needs no reason. `what` names
-    the polynomial.
+    the polynomial, `higher` says why there is none above these.
     """
     best = 0
     for i in range(1, len(orders)):
@@ -27,7 +28,7 @@ def choose_order(
             best = i
     chosen = f"{what} of order {orders[best]}"
     if best == len(orders) - 1:
-        return orders[best], f"{chosen}: {_gain(orders, misfits, best)}no higher order was tried"
+        return orders[best], f"{chosen}: {_gain(orders, misfits, best)}{higher}"
     following = best + 1
     away = clearances[following]
     far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"

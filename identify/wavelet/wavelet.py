@@ -135,14 +135,14 @@ def _with_orders(
     begun: RidgeFit,
     damping: tuple[int, int],
     tried: tuple[tuple[int, ...], ...],
-    refused: str = "",
+    higher: str = "no higher order was tried",
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
     `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Stiffness is chosen
     before damping. Orders with which the motion would diverge are not tried again: first those of stiffness, then those of
     damping; nor is an order of stiffness that is not clear of zero once its bias is off, unless the misfit shows that it is
-    there. `refused` says why the next one is not tried.
+    there. `higher` says why none above these is.
     """
     least, most = damping
     fit = begun
@@ -150,7 +150,7 @@ def _with_orders(
         trials = [other_order(observed, fit, order) for order in range(most + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in tried]
         order, reason = _choose_damping(observed, fit, trials, least)
-        best, stiffness_reason, misfits = _choose_stiffness(observed, fit, backbones, tried)
+        best, stiffness_reason, misfits = _choose_stiffness(observed, fit, backbones, tried, higher)
         if tried[best] != fit.stiffness_orders:
             changed = replace(fit, phase_fit=backbones[best], stiffness_orders=tried[best])
         elif order != fit.order:
@@ -162,18 +162,18 @@ def _with_orders(
         except RunsAway:
             if best:
                 return _with_orders(
-                    observed, begun, damping, tried[:best], ": with one the motion would diverge"
+                    observed, begun, damping, tried[:best], "with a higher one the motion would diverge"
                 )
             if order > least:
-                return _with_orders(observed, begun, (least, order - 1), tried, refused)
+                return _with_orders(observed, begun, (least, order - 1), tried, higher)
             raise
     at, away = tried.index(fit.stiffness_orders), np.inf
     if at and misfits[at] > _SHOWN * min(misfits[:at]):
         away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1]
     if away < CLEAR:
-        far = f": order {tried[at][-1]} would be only {away:.1f} standard errors from zero"
+        far = f"the coefficient of order {tried[at][-1]} would be only {away:.1f} standard errors from zero"
         return _with_orders(observed, begun, damping, tried[:at], far)
-    return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason + refused)
+    return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason)
 
 
 def _choose_damping(
@@ -187,14 +187,18 @@ def _choose_damping(
 
 
 def _choose_stiffness(
-    observed: Observed, fit: RidgeFit, trials: list[PhaseFit], tried: tuple[tuple[int, ...], ...]
+    observed: Observed,
+    fit: RidgeFit,
+    trials: list[PhaseFit],
+    tried: tuple[tuple[int, ...], ...],
+    higher: str,
 ) -> tuple[int, str, list[float]]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of(observed, fit, trials, phase=True)
     noise = float(np.mean(observed.variance * observed.weight**2))
     highest = [orders[-1] for orders in tried]
-    order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness")
+    order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness", higher)
     return highest.index(order), reason, misfits
 
 

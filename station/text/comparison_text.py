@@ -27,7 +27,7 @@ def told(compared: Compared) -> Told:
         f"{three_figures(found.force_floor)} % by noise alone"
     )
     places = [(f"{place.significance:.0f} sigma", typeset(place.text)) for place in found.places]
-    guessed = "The noise of this record is only a guess, and may be as large as what is left: so may the places below."
+    guessed = "The noise of this record is only a guess, and may be as large as what is left: the places below may be noise."
     rows = [
         ("model", " + ".join(plain_name(name) for name in fit.model.names)),
         ("fit", "" if fit.converged and not fit.unidentifiable else fit.outcome),
