@@ -32,8 +32,9 @@ def free_of_bias(observed: Observed, fit: RidgeFit) -> RidgeFit:
         try:
             following, change = _following(observed, fit)
             ahead = _parameters(following) - _parameters(fit)
-            if at >= _PLAIN and change < least:
-                following = moved(observed, following, mixing_of(observed, fit) @ ahead - ahead)
+            if at >= _PLAIN:
+                step = mixing_of(observed, fit) @ ahead if change < least else 0.5 * ahead
+                following = moved(observed, following, step - ahead)
         except RunsAway:
             if not at:
                 raise

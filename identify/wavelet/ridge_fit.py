@@ -211,7 +211,8 @@ def simulate_decay(
 def seen_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
     """Return envelope and phase (m,) that the transform shows of the exact decay of a fit; it may raise RunsAway."""
     envelope, phase, _ = observed.seen(exact_decay(observed, fit))
-    turns = np.round(np.median(phase - fit.phase_fit.fit) / (2 * np.pi))
+    first = int(np.argmax(observed.weight > 0))  # both begin alike, however far they part
+    turns = np.round((phase[first] - fit.phase_fit.fit[first]) / (2 * np.pi))
     return envelope, phase - 2 * np.pi * turns
 
 
