@@ -1,31 +1,8 @@
 """The envelope and the phase of a decay, fitted by the averaged equations (9)-(12)."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from identify.arrays import Array
-from identify.signal.averaging import integrate_envelope
-
-
-@dataclass(frozen=True, eq=False)
-class PhaseFit:
-    """phi(0), w_1 and the slopes with k^2, k^4 of the phase, with what carries noise of the phase into them.
-
-    `parameters` (p,); `fit` (m,) the phase that they give; `gain` (p, m) the change of the parameters for a change of each
-    of its samples.
-    """
-
-    parameters: Array
-    fit: Array
-    gain: Array
-
-
-@dataclass(frozen=True, eq=False)
-class EnvelopeFit(PhaseFit):
-    """k(0) and c_0..c_n of k' = -sum c_i k^i, likewise; `mse_percent` is the misfit over the variance, as in eq. (18)."""
-
-    mse_percent: float
 
 
 def cumulative(values: Array, step: float) -> Array:
@@ -61,35 +38,7 @@ def solve_integrated(envelope: Array, step: float, order: int, weight: Array) ->
     return found
 
 
-def fit_envelope(envelope: Array, step: float, start: Array, weight: Array, rounds: int = 3) -> EnvelopeFit:
-    """Fit the integrated envelope of eq. (5) to `envelope` (m,), Gauss-Newton from `start` (k(0), c_0..c_n).
-
-    The sensitivities are exact: a change of the envelope decays as E = exp(-int sum i c_i k^(i-1)).
-    """
-    parameters = start.copy()
-    order = len(start) - 2
-    exponents = np.arange(order + 1.0)
-    for _ in range(rounds):
-        fit, jacobian = _sensitivities(parameters, step, len(envelope), exponents)
-        gain = weighted_inverse(jacobian, weight)
-        change = gain @ (envelope - fit)
-        parameters = parameters + change
-        parameters[0] = max(parameters[0], 0.1 * start[0])
-    fit = integrate_envelope(parameters[0], parameters[1:], step, len(envelope))
-    variance = float(np.var(envelope)) + 1e-300
-    return EnvelopeFit(parameters, fit, gain, float(100 * np.mean((envelope - fit) ** 2) / variance))
-
-
-def _sensitivities(parameters: Array, step: float, count: int, exponents: Array) -> tuple[Array, Array]:
-    fit = integrate_envelope(parameters[0], parameters[1:], step, count)
-    powers = fit[None, :] ** exponents[:, None]
-    slope = np.sum((exponents * parameters[1:])[1:, None] * powers[:-1], axis=0)
-    decay = np.exp(np.clip(-cumulative(slope, step), -50, 50))
-    jacobian = np.concatenate([np.ones((1, count)), -cumulative(powers / decay, step)]) * decay
-    return fit, jacobian
-
-
-def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...], weight: Array) -> PhaseFit:
+def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...], weight: Array) -> Array:
     """Fit phi(0) + sum d_i int k^(i-1) dt over the odd `orders` to `phase` (m,), weighted by the envelope.
 
     The backbone w = d_1 + d_3 k^2 + d_5 k^4 integrated in time, as eq. (10) integrates the envelope.
@@ -100,9 +49,9 @@ def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...
     columns = np.concatenate([np.ones((1, len(phase))), cumulative(powers, step)]).T
     units = np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])
     gain = weighted_inverse(columns.T, envelope * weight) / units[:, None]
-    parameters = gain @ (phase - phase[0])
+    parameters: Array = gain @ (phase - phase[0])
     parameters[0] += phase[0]
-    return PhaseFit(parameters, phase_model(parameters, envelope, step, orders), gain)
+    return parameters
 
 
 def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:

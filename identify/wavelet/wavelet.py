@@ -1,6 +1,6 @@
 """The wavelet identification: envelope and instantaneous frequency on the Morlet ridge, eqs. (5)-(12)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,29 +15,15 @@ from identify.preprocessing.motion import reconstruct
 from identify.preprocessing.noise import noise_levels
 from identify.preprocessing.sampling import block_averaged, block_means
 from identify.preprocessing.usable import usable
-from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.morlet import scalogram
-from identify.signal.order_selection import CLEAR, choose_order
+from identify.signal.order_selection import choose_order
 from identify.summary import Summary
-from identify.wavelet.envelope import EnvelopeFit, PhaseFit
-from identify.wavelet.free_of_bias import free_of_bias
-from identify.wavelet.ridge_fit import (
-    Observed,
-    RidgeFit,
-    RunsAway,
-    exact_decay,
-    first_fit,
-    observe,
-    other_backbone,
-    other_order,
-    parameters_of,
-)
-from identify.wavelet.ridge_spread import clearances_of, spreads_of
+from identify.wavelet.exact_fit import Orders, RidgeFit, fit_exactly
+from identify.wavelet.ridge import Observed, RunsAway, exact_decay, observe
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _FEWEST_CYCLES = 3.0
-_CHANGES_OF_MODEL = 5  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
 _SHOWN = 0.1  # where it leaves so little, the order is there, however uncertain its size
@@ -95,12 +81,11 @@ def identify_wavelet(
     """
     decay, begins = block_averaged(aligned(decay))
     start, observed = _observed(decay)
-    fit = _begun(observed, min(1, max_order))
     wanted = {1, *stiffness_orders} & set(STIFFNESS_ORDERS[-1])
     tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
-    fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
-    begins += start / decay.rate
-    return _result(decay, begins, observed, fit, misfits, reasons, viscous=max_order > 0)
+    fit, known, reasons = _fits(observed, (least_order, max_order), tried)
+    by_order = [known[order, fit.orders] for order in range(max_order + 1)]
+    return _result(decay, begins + start / decay.rate, observed, fit, by_order, reasons)
 
 
 def _observed(decay: FreeDecay) -> tuple[int, Observed]:
@@ -119,92 +104,55 @@ def _observed(decay: FreeDecay) -> tuple[int, Observed]:
     return part.start, observe(whole[part], valid[part], decay.rate, derivatives, w, noise)
 
 
-def _begun(observed: Observed, order: int) -> RidgeFit:
-    """Fit damping of this order and a cubic spring, or a linear one where with a cubic one the motion would run away.
+def _fits(
+    observed: Observed, damping: tuple[int, int], tried: tuple[tuple[int, ...], ...]
+) -> tuple[RidgeFit, dict[Orders, RidgeFit | None], tuple[str, str]]:
+    """Return the fit with the orders that the ridge asks for, all that were tried, and why these were chosen.
 
-    A cubic spring that is left out bends the phase, and passes for damping of high order; one too many is dropped later.
-    """
-    try:
-        return free_of_bias(observed, first_fit(observed, order, (1, 3)))
-    except RunsAway:
-        return free_of_bias(observed, first_fit(observed, order, (1,)))
-
-
-def _with_orders(
-    observed: Observed,
-    begun: RidgeFit,
-    damping: tuple[int, int],
-    tried: tuple[tuple[int, ...], ...],
-    higher: str = "no higher order was tried",
-) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
-    """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
-
-    `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Stiffness is chosen
-    before damping. Orders with which the motion would diverge are not tried again: first those of stiffness, then those of
-    damping; nor is an order of stiffness that is not clear of zero once its bias is off, unless the misfit shows that it is
-    there. `higher` says why none above these is.
+    `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Each is chosen
+    beside the other, in turn, until neither changes. None is the fit of a model with which the motion diverges; RunsAway
+    where it does with all.
     """
     least, most = damping
-    fit = begun
-    for _ in range(_CHANGES_OF_MODEL):
-        trials = [other_order(observed, fit, order) for order in range(most + 1)]
-        backbones = [other_backbone(observed, fit, orders) for orders in tried]
-        order, reason = _choose_damping(observed, fit, trials, least)
-        best, stiffness_reason, misfits = _choose_stiffness(observed, fit, backbones, tried, higher)
-        if tried[best] != fit.stiffness_orders:
-            changed = replace(fit, phase_fit=backbones[best], stiffness_orders=tried[best])
-        elif order != fit.order:
-            changed = replace(fit, envelope_fit=trials[order])
-        else:
-            break
-        try:
-            fit = free_of_bias(observed, changed)
-        except RunsAway:
-            if best:
-                return _with_orders(
-                    observed, begun, damping, tried[:best], "with a higher one the motion would diverge"
-                )
-            if order > least:
-                return _with_orders(observed, begun, (least, order - 1), tried, higher)
-            raise
-    at, away = tried.index(fit.stiffness_orders), np.inf
-    if at and misfits[at] > _SHOWN * min(misfits[:at]):
-        away = abs(fit.phase_fit.parameters[-1]) / spreads_of(observed, fit)[1][-1]
-    if away < CLEAR:
-        far = f"the coefficient of order {tried[at][-1]} would be only {away:.1f} standard errors from zero"
-        return _with_orders(observed, begun, damping, tried[:at], far)
-    return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason)
+    known: dict[Orders, RidgeFit | None] = {}
+
+    def fitted(models: list[Orders], envelope: Array, phase: Array) -> list[RidgeFit]:
+        for model in models:
+            if model not in known:
+                known[model] = fit_exactly(observed, *model, envelope, phase)
+        return [fit for model in models if (fit := known[model])]
+
+    # A cubic spring that is left out bends the phase, and passes for damping of high order; one too many is dropped.
+    begun = fitted([(min(1, most), (1, 3)), (min(1, most), (1,))], *observed.measured[:2])
+    if not begun:
+        raise RunsAway
+    fit, visited = begun[0], set[Orders]()
+    while fit.model not in visited:
+        visited.add(fit.model)
+        backbones = fitted([(fit.order, orders) for orders in tried], fit.envelope, fit.phase)
+        fit, of_stiffness = _chosen(backbones, "stiffness", tried[-1][-1])
+        trials = fitted([(order, fit.orders) for order in range(most + 1)], fit.envelope, fit.phase)
+        fit, of_damping = _chosen([one for one in trials if one.order >= least], "damping", most)
+    return fit, known, (of_damping, of_stiffness)
 
 
-def _choose_damping(
-    observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit], least: int
-) -> tuple[int, str]:
-    clear = clearances_of(observed, fit, trials, phase=False)
-    noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
-    misfits = [trial.mse_percent for trial in trials]
-    worth = _worth(misfits, noise)
-    return choose_order(range(least, len(trials)), misfits[least:], clear[least:], worth[least:], "damping")
-
-
-def _choose_stiffness(
-    observed: Observed,
-    fit: RidgeFit,
-    trials: list[PhaseFit],
-    tried: tuple[tuple[int, ...], ...],
-    higher: str,
-) -> tuple[int, str, list[float]]:
-    weight = np.abs(fit.envelope) * observed.weight
-    misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
-    clear = clearances_of(observed, fit, trials, phase=True)
-    noise = float(np.mean(observed.variance * observed.weight**2))
-    highest = [orders[-1] for orders in tried]
-    order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness", higher)
-    return highest.index(order), reason, misfits
-
-
-def _worth(misfits: list[float], noise: float) -> list[float]:
-    """The fall of the misfit that pays for an order: a little where it comes down to the noise, else a knee."""
-    return [_FALL if misfit < 2 * noise else _KNEE for misfit in misfits]
+def _chosen(fits: list[RidgeFit], what: str, most: int) -> tuple[RidgeFit, str]:
+    """Choose among fits of ascending orders of stiffness, or of damping, up to `most`; RunsAway where there are none."""
+    if not fits:
+        raise RunsAway
+    last = -1 if what == "stiffness" else -2 - len(fits[0].orders)
+    orders = [fit.orders[-1] if what == "stiffness" else fit.order for fit in fits]
+    misfits = [fit.misfit for fit in fits]
+    clear = [abs(float(fit.theta[last] / fit.spread[last])) for fit in fits]
+    for i in range(1, len(fits)):
+        if max(misfits[i], 1.0) < _SHOWN * min(misfits[:i]):
+            clear[i] = np.inf
+    worth = [_FALL if misfit < 2.0 else _KNEE for misfit in misfits]
+    higher = (
+        "with a higher one the motion would diverge" if orders[-1] < most else "no higher order was tried"
+    )
+    order, reason = choose_order(orders, misfits, clear, worth, what, higher)
+    return fits[orders.index(order)], reason
 
 
 def _result(
@@ -212,14 +160,12 @@ def _result(
     begins: float,
     observed: Observed,
     fit: RidgeFit,
-    misfits: tuple[float, ...],
+    by_order: list[RidgeFit | None],
     reasons: tuple[str, str],
-    *,
-    viscous: bool,
 ) -> WaveletResult:
-    per_mass, damping = _estimates(decay, observed, fit, viscous=viscous)
+    per_mass, damping = _estimates(decay, fit, by_order)
     stiffness = with_mass(decay, per_mass)
-    reconstruction = exact_decay(observed, fit)
+    reconstruction = exact_decay(observed, fit.theta, fit.orders)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
     time = begins + np.arange(len(observed.samples)) / decay.rate
     ridge = _curves(observed, fit, reconstruction)
@@ -229,7 +175,7 @@ def _result(
         damping=damping,
         order=fit.order,
         reason=reasons[0],
-        mse_percent_by_order=misfits,
+        mse_percent_by_order=tuple(np.nan if one is None else one.mse_percent for one in by_order),
         channel=CHANNELS[observed.derivatives],
         time=frozen(time),
         envelope=frozen(ridge["envelope"]),
@@ -248,34 +194,29 @@ def _result(
 
 
 def _estimates(
-    decay: FreeDecay, observed: Observed, fit: RidgeFit, *, viscous: bool
+    decay: FreeDecay, fit: RidgeFit, by_order: list[RidgeFit | None]
 ) -> tuple[dict[int, Estimate], tuple[Estimate, ...]]:
     """Stiffness per unit mass by order, and damping, with their standard errors.
 
-    Where there may be `viscous` damping, dry friction alone has the error that it has beside it, and what that would change.
+    Where viscous damping was tried, dry friction alone has the error that it has beside it, and what that would change.
     """
-    stiffness, damping = parameters_of(fit)
-    w = fit.phase_fit.parameters[1]
-    of_envelope, of_phase = spreads_of(observed, fit)
-    damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
-    stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
-    if fit.order == 0 and viscous:
-        usual = replace(fit, envelope_fit=other_order(observed, fit, 1), ahead=None)
-        try:
-            of_usual = spreads_of(observed, usual)[0][1:2] / envelope_factors(w, 0)
-        except RunsAway:
-            of_usual = np.array([np.inf])
-        damping_std = np.hypot(of_usual, parameters_of(usual)[1][:1] - damping)
-    by_order = {i: (stiffness[i], std) for i, std in zip(fit.stiffness_orders, stiffness_std, strict=True)}
-    return stiffnesses(decay, by_order), dampings(decay, zip(damping, damping_std, strict=True))
+    stiffness, damping = fit.values
+    stiffness_std, damping_std = fit.errors
+    if fit.order == 0 and len(by_order) > 1:
+        usual = by_order[1]
+        damping_std = np.array([np.inf])
+        if usual is not None:
+            damping_std = np.hypot(usual.errors[1][:1], usual.values[1][:1] - damping)
+    sizes = {i: (stiffness[i], std) for i, std in zip(fit.orders, stiffness_std, strict=True)}
+    return stiffnesses(decay, sizes), dampings(decay, zip(damping, damping_std, strict=True))
 
 
 def _curves(observed: Observed, fit: RidgeFit, reconstruction: Array) -> dict[str, Array]:
     """Envelope and frequency (Hz) freed of bias, and their models, at every sample: model plus what it leaves."""
     every, points = np.arange(len(observed.samples)), observed.points
-    model = np.interp(every, points, fit.envelope_fit.fit)
+    model = np.interp(every, points, fit.averaged)
     averaged = np.zeros(len(every))
-    for order, slope in zip(fit.stiffness_orders, fit.phase_fit.parameters[1:], strict=True):
+    for order, slope in zip(fit.orders, fit.slopes, strict=True):
         averaged += slope * model ** (order - 1) / (2 * np.pi)
     measured, _, frequency = observed.measured
     seen, _, seen_frequency = observed.seen(reconstruction)

@@ -27,7 +27,7 @@ def value(module, name):
         ("signal.order_selection", "CLEAR", lambda x: f"stands {WORDS[x]} standard errors from zero"),
         ("signal.weak_form", "WINDOW_CYCLES", lambda x: f"{WORDS[x]} cycles long"),
         ("signal.weak_form", "ROWS_PER_CYCLE", lambda x: f"{WORDS[x]} starts a cycle"),
-        ("wavelet.ridge_fit", "WIDTH_CYCLES", lambda x: "standard deviation is one cycle" if x == 1 else "?"),
+        ("wavelet.ridge", "WIDTH_CYCLES", lambda x: "standard deviation is one cycle" if x == 1 else "?"),
         ("fitting.fit", "_GROWTH", lambda x: f"grows over {', '.join(f'{n:g}' for n in x)} cycles"),
         ("fitting.baseline", "_BAND_ABOVE", lambda x: "above eight times" if x == 8 else "?"),
         ("priors", "ADEQUATE", lambda x: rf"\max({x:g}\,\sigma_{{\text{{floor}}}}"),

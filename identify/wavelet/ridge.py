@@ -1,9 +1,8 @@
-"""One channel's ridge, fitted: envelope and phase freed of the transform's own bias.
+"""One channel's ridge: its envelope and phase as the transform shows them, of what was measured and of a computed decay.
 
-Averaging is first order in the damping, a window is one-sided at the ends of a record, and dry friction
-shifts the displacement's phase. All three are the same for the measured decay and for a computed one with
-nearly the same parameters. So the fitted model is integrated exactly, sent through the same transform, and
-what the transform then shows beyond the averaged model is taken off the measurement; a few rounds suffice.
+Averaging is first order in the damping, a window is one-sided at the ends of a record, and dry friction shifts the
+displacement's phase. All three are the same for the measured decay and for a computed one with the same parameters: a
+model is integrated exactly, and sent through the same transform.
 """
 
 from dataclasses import dataclass
@@ -20,19 +19,12 @@ from identify.errors import NotIdentifiable
 from identify.model.simulate import Response, make_system, simulate
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.harmonic_windows import HarmonicWindows
-from identify.wavelet.envelope import (
-    EnvelopeFit,
-    PhaseFit,
-    fit_envelope,
-    fit_phase,
-    solve_integrated,
-)
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
-POINTS_PER_CYCLE = 8
+POINTS_PER_CYCLE = 4
 _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 _MOST_POINTS = 400
-_STEPS_PER_CYCLE = 200  # the frequency of a fourth-order step is then off by 1e-8
+STEPS_PER_CYCLE = 200  # the frequency of a fourth-order step is then off by 1e-8
 _RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
 _BAND = 3.0  # factor about the frequency of the ridge within which it sees anything
 
@@ -82,8 +74,11 @@ class Observed:
         return float(len(self.samples) / (2 * np.sqrt(np.pi) * width) + 1)
 
     def seen(self, samples: Array) -> tuple[Array, Array, Array]:
-        """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
-        p, q, _ = self.ridge(samples)
+        """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, (m,).
+
+        Of several channels at once, samples (n, q), that is (q, m).
+        """
+        p, q, _ = (found.T for found in self.ridge(samples))
         envelope = np.abs(p) / self.angular_frequency**self.derivatives
         expected = self.angular_frequency * self.points / self.rate
         phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - self.derivatives * np.pi / 2
@@ -91,29 +86,14 @@ class Observed:
         return envelope, phase, slope + self.angular_frequency
 
     @cached_property
+    def sure(self) -> Array:
+        """One over the standard deviation of the envelope's noise, (m,); 0 where there is nothing to read."""
+        return np.asarray((self.weight > 0) / np.sqrt(self.variance))
+
+    @cached_property
     def measured(self) -> tuple[Array, Array, Array]:
         """Envelope, phase and frequency of the channel itself, with the bias of the transform."""
         return self.seen(self.samples)
-
-
-@dataclass(frozen=True, eq=False)
-class RidgeFit:
-    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
-
-    Where the rounds that free it do not settle, `ahead` is by what one more would change the parameters of both, (p,).
-    """
-
-    envelope_fit: EnvelopeFit
-    phase_fit: PhaseFit
-    stiffness_orders: tuple[int, ...]
-    envelope: Array
-    phase: Array
-    ahead: Array | None = None
-
-    @property
-    def order(self) -> int:
-        """The damping order."""
-        return len(self.envelope_fit.parameters) - 2
 
 
 def observe(
@@ -134,8 +114,9 @@ def observe(
         drift=False,
     )
     widening = np.maximum(ridge.spread * np.sqrt(2 * np.pi) * width / 2, 1.0)
+    least = 1e-9 * float(np.ptp(samples))  # without noise all is sure, to rounding
     variance = (
-        noise**2 / (np.sqrt(np.pi) * width) * widening / angular_frequency ** (2 * derivatives) + 1e-300
+        (noise**2 + least**2) / (np.sqrt(np.pi) * width) * widening / angular_frequency ** (2 * derivatives)
     )
     weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
     if not weight.any():
@@ -145,36 +126,53 @@ def observe(
     )
 
 
-def parameters_of(fit: RidgeFit) -> tuple[dict[int, float], Array]:
-    """Return the stiffness k_i by its order i, and the damping mu_0, ... per unit mass."""
-    slopes, orders = fit.phase_fit.parameters[1:], fit.stiffness_orders
-    w = slopes[0]
-    damping = fit.envelope_fit.parameters[1:] / envelope_factors(w, fit.order)
-    sizes = 2 * w * slopes / backbone_factors(orders)
-    return dict(zip(orders, map(float, sizes), strict=True)) | {1: float(w**2)}, damping
+def values_of(theta: Array, orders: tuple[int, ...]) -> tuple[dict[int, float], Array]:
+    """Return the stiffness k_i by its order i, and the damping mu_0, ..., per unit mass.
 
-
-def exact_decay(observed: Observed, fit: RidgeFit) -> Array:
-    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway.
-
-    Returns what the channel would read, (n,).
+    `theta` (p,) is k(0), c_0, ..., phi(0), w_1, ... with slopes of the odd stiffness `orders`.
     """
-    stiffness, damping = parameters_of(fit)
-    amplitude, *losses = fit.envelope_fit.parameters
-    phase, frequency = fit.phase_fit.parameters[:2]
+    losses, slopes = theta[1 : -1 - len(orders)], theta[-len(orders) :]
+    w = slopes[0]
+    sizes = 2 * w * slopes / backbone_factors(orders)
+    stiffness = dict(zip(orders, map(float, sizes), strict=True)) | {1: float(w**2)}
+    return stiffness, losses / envelope_factors(w, len(losses) - 1)
+
+
+def exact_decay(
+    observed: Observed, theta: Array, orders: tuple[int, ...], steps: int = STEPS_PER_CYCLE
+) -> Array:
+    """Integrate the model `theta` over the window, from its first amplitude and phase, with so many `steps` to a cycle.
+
+    Returns what the channel would read, (n,); it may raise RunsAway.
+    """
+    stiffness, damping = values_of(theta, orders)
+    amplitude, losses = theta[0], theta[1 : -1 - len(orders)]
+    phase, frequency = theta[-1 - len(orders) :][:2]
     in_band = 1.0 / _BAND < frequency / observed.angular_frequency < _BAND
     if not in_band or abs(damping[0]) > abs(stiffness[1] * amplitude):
         raise RunsAway
     loss = -np.polynomial.polynomial.polyval(amplitude, losses)
     velocity = loss * np.cos(phase) - frequency * amplitude * np.sin(phase)
     decay = simulate_decay(
-        amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
+        amplitude * np.cos(phase),
+        velocity,
+        stiffness,
+        damping,
+        1 / observed.rate,
+        len(observed.samples),
+        steps,
     )
     return (decay.displacement, decay.velocity, decay.acceleration)[observed.derivatives]
 
 
 def simulate_decay(
-    displacement: float, velocity: float, stiffness: dict[int, float], damping: Array, step: float, count: int
+    displacement: float,
+    velocity: float,
+    stiffness: dict[int, float],
+    damping: Array,
+    step: float,
+    count: int,
+    steps: int = STEPS_PER_CYCLE,
 ) -> Response:
     """Simulate u'' = -sum k_i u^i - sum mu_i |u'|^i sgn(u') from a given state; `count` samples `step` s apart.
 
@@ -200,37 +198,9 @@ def simulate_decay(
         states=np.zeros((len(higher), 2)),
         samples=count,
         rate=1.0 / step,
-        substeps=max(1, ceil(_STEPS_PER_CYCLE * turn / (2 * pi))),
+        substeps=max(1, ceil(steps * turn / (2 * pi))),
     )
     start = max(abs(displacement), abs(velocity) * step / turn)
     if not np.abs(motion.displacement).max(initial=0.0) <= _RUN_AWAY * start:
         raise RunsAway
     return motion
-
-
-def seen_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
-    """Return envelope and phase (m,) that the transform shows of the exact decay of a fit; it may raise RunsAway."""
-    envelope, phase, _ = observed.seen(exact_decay(observed, fit))
-    first = int(np.argmax(observed.weight > 0))  # both begin alike, however far they part
-    turns = np.round((phase[first] - fit.phase_fit.fit[first]) / (2 * np.pi))
-    return envelope, phase - 2 * np.pi * turns
-
-
-def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
-    """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
-    envelope, phase, _ = observed.measured
-    start = solve_integrated(envelope, observed.step, order, observed.weight)
-    fitted = fit_envelope(envelope, observed.step, start, observed.weight)
-    phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase)
-
-
-def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
-    """Fit another damping order to the envelope of `fit`, as it stands freed of bias."""
-    start = solve_integrated(fit.envelope, observed.step, order, observed.weight)
-    return fit_envelope(fit.envelope, observed.step, start, observed.weight, rounds=2)
-
-
-def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -> PhaseFit:
-    """Fit other stiffness orders to the phase of `fit`, as it stands freed of bias."""
-    return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
