@@ -21,7 +21,10 @@ _SETTLED = 0.01
 """Gain of chi-square, every point counted, below which nothing changes."""
 
 _STEP = 1e-5
-"""Step of differentiation, in sizes of a parameter: so short that hardly ever a reversal of friction crosses a sample."""
+"""Step of differentiation, in sizes of a parameter: so short that friction seldom turns round in between."""
+
+_JUMP = 20.0
+"""Change of a reading by such a step, in steps of the motion's size, that is none of the motion."""
 
 _STEPS_FOR_SLOPE = 50  # to a cycle
 _SINGULAR = 1e-12
@@ -32,8 +35,8 @@ class RidgeFit:
     """A model of the ridge: `theta` (p,) is k(0), c_0..c_n of k' = -sum c_i k^i, then phi(0), w_1, ... of the odd `orders`.
 
     At the points, (m,): `averaged` is the envelope (m) by that equation, `envelope` and `phase` (rad) are those measured,
-    freed of what the transform adds. `misfit` is the mean square of what the exact decay leaves of both, in units of their
-    noise; `spread` (p,) are the standard errors.
+    freed of what the transform adds. `misfits` are the mean squares of what the exact decay leaves of each, in units of
+    their noise; `spread` (p,) are the standard errors.
     """
 
     theta: Array
@@ -41,7 +44,7 @@ class RidgeFit:
     averaged: Array
     envelope: Array
     phase: Array
-    misfit: float
+    misfits: tuple[float, float]
     spread: Array
 
     @property
@@ -72,6 +75,11 @@ class RidgeFit:
         return of_stiffness, self.spread[1:cut] / envelope_factors(w, self.order)
 
     @property
+    def misfit(self) -> float:
+        """The mean square of what is left of envelope and phase together."""
+        return sum(self.misfits) / 2.0
+
+    @property
     def mse_percent(self) -> float:
         """The misfit of the envelope over its variance, as in eq. (18)."""
         return float(100 * np.mean((self.envelope - self.averaged) ** 2) / (np.var(self.envelope) + 1e-300))
@@ -90,16 +98,18 @@ def fit_exactly(
     phases = fit_phase(phase, np.abs(envelope), step, orders, observed.weight)
     start = np.concatenate([decay, phases])
     starts = start * 0.5 ** np.outer(np.arange(_HALVINGS), np.arange(len(start)) > order + 3)
-    begun = next((one for one in starts if np.isfinite(ridge.left(one[None])).all()), None)
+    begun = next((one for one in starts if np.isfinite(ridge.decays(one[None])).all()), None)
     if begun is None:
         return None
     theta, left, gain = _minimise(ridge, begun)
     averaged = integrate_envelope(theta[0], theta[1 : order + 2], step, len(envelope))
     turned = phase_model(theta[order + 2 :], averaged, step, orders)
-    (measured, phase, _), ([seen], [seen_phase]) = observed.measured, ridge.seen(theta[None])
-    freed, freed_phase = measured - (seen - averaged), phase - (seen_phase - turned)
-    misfit, spread = float(np.mean(left**2)), _spread(observed, left, gain)
-    return RidgeFit(theta, orders, averaged, freed, freed_phase, misfit, spread)
+    [seen], [seen_phase] = ridge.seen(ridge.decays(theta[None]))
+    measured, measured_phase, _ = observed.measured
+    freed, freed_phase = measured - (seen - averaged), measured_phase - (seen_phase - turned)
+    of_envelope, of_phase = np.mean(left.reshape(2, -1) ** 2, axis=1)
+    misfits, spread = (float(of_envelope), float(of_phase)), _spread(observed, left, gain)
+    return RidgeFit(theta, orders, averaged, freed, freed_phase, misfits, spread)
 
 
 class _Ridge:
@@ -113,43 +123,62 @@ class _Ridge:
         self.size = np.array([start, *damping, 1.0, *stiffness])
         """How far each parameter may go before the decay looks different, (p,)."""
 
-    def seen(self, thetas: Array, steps: int = STEPS_PER_CYCLE) -> tuple[Array, Array]:
-        """Return envelope and phase (q, m) that the transform shows of models (q, p); nan where one runs away."""
+    def decays(self, thetas: Array, steps: int = STEPS_PER_CYCLE) -> Array:
+        """Return what the channel would read of models (q, p), (q, n), in so many steps a cycle; nan where one runs away."""
         decays = np.full((len(thetas), len(self.observed.samples)), np.nan)
         for decay, theta in zip(decays, thetas, strict=True):
             with suppress(RunsAway):
                 decay[:] = exact_decay(self.observed, theta, self.orders, steps)
+        return decays
+
+    def seen(self, decays: Array) -> tuple[Array, Array]:
+        """Return envelope and phase (q, m) that the transform shows of decays (q, n)."""
         envelope, phase, _ = self.observed.seen(decays.T)
         first = int(np.argmax(self.observed.weight > 0))  # where all begin alike, however far they part
         turns = np.round((phase - self.observed.measured[1])[:, first] / (2 * np.pi))
         return envelope, phase - 2 * np.pi * turns[:, None]
 
-    def left(self, thetas: Array, steps: int = STEPS_PER_CYCLE) -> Array:
-        """Return what models (q, p) leave of both, (q, 2m), in units of their noise; nan where one runs away."""
-        (envelope, phase), (measured, turned, _) = self.seen(thetas, steps), self.observed.measured
+    def left(self, decays: Array) -> Array:
+        """Return what decays (q, n) leave of both, (q, 2m), in units of their noise.
+
+        A phase counts as far as there is an envelope, measured and computed: that of a mass at rest is rounding.
+        """
+        (envelope, phase), (measured, turned, _) = self.seen(decays), self.observed.measured
         sure = self.observed.sure
-        return np.concatenate([(envelope - measured) * sure, (phase - turned) * measured * sure], axis=1)
+        return np.concatenate(
+            [(envelope - measured) * sure, (phase - turned) * np.minimum(envelope, measured) * sure], axis=1
+        )
+
+    def columns(self, theta: Array) -> Array:
+        """Return how what a model leaves changes with its parameters, each in its size, (p, 2m).
+
+        A reading that jumps by a small step stood next to a reversal of friction: it says nothing of a slope.
+        """
+        moves = np.vstack([np.zeros(len(theta)), np.diag(self.size)])
+        here, *beside = self.decays(theta + _STEP * moves, _STEPS_FOR_SLOPE)
+        change = np.array(beside) - here
+        change[~(np.abs(change) < _JUMP * _STEP * np.ptp(here))] = 0.0
+        before, *after = self.left(np.vstack([here, here + change]))
+        return np.asarray((np.array(after) - before) / _STEP)
 
 
 def _minimise(ridge: _Ridge, theta: Array) -> tuple[Array, Array, Array]:
     """Return the parameters (p,) that leave least, what they leave (2m,), and what carries noise into them, (p, 2m)."""
-    [left], damping = ridge.left(theta[None]), 1e-3
-    moves = np.vstack([np.zeros(len(theta)), np.diag(ridge.size)])
-    for _ in range(_ROUNDS):
-        here, *beside = ridge.left(theta + _STEP * moves, _STEPS_FOR_SLOPE)
-        columns = (np.array(beside) - here) / _STEP
-        columns = np.where(np.isfinite(columns), columns, 0.0)
+    [left], damping, gained = ridge.left(ridge.decays(theta[None])), 1e-3, np.inf
+    for at in range(_ROUNDS):
+        columns, cost = ridge.columns(theta), float(left @ left)
         normal, gradient = columns @ columns.T, columns @ left
         own = np.diag(np.diag(normal) + 1e-300)
         gain = np.linalg.solve(normal + _SINGULAR * own, columns)
-        cost = float(left @ left)
-        if gradient @ (gain @ left) < _SETTLED * (1.0 + cost / len(left)):
+        least = _SETTLED * (1.0 + cost / len(left))
+        if min(gained, float(gradient @ (gain @ left))) < least or at == _ROUNDS - 1:
             break
         for _ in range(_TRIALS):
             trial = theta - np.linalg.solve(normal + damping * own, gradient) * ridge.size
-            [beyond] = ridge.left(trial[None])
-            if beyond @ beyond < cost:
-                theta, left, damping = trial, beyond, damping / 10.0
+            [beyond] = ridge.left(ridge.decays(trial[None]))
+            gained = cost - float(beyond @ beyond)
+            if gained > 0.0:
+                theta, left, damping = trial, beyond, max(damping / 10.0, 1e-9)
                 break
             damping *= 8.0
         else:

@@ -1,6 +1,7 @@
 """The wavelet identification: envelope and instantaneous frequency on the Morlet ridge, eqs. (5)-(12)."""
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from identify.wavelet.ridge import Observed, RunsAway, exact_decay, observe
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _FEWEST_CYCLES = 3.0
-_FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
+_NOISE = 2.0  # mean square that is left, in units of the noise, up to which all of it may be noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
 _SHOWN = 0.1  # where it leaves so little, the order is there, however uncertain its size
 _TRUSTED = 0.9  # share of the window that must hold samples
@@ -118,36 +119,43 @@ def _fits(
 
     def fitted(models: list[Orders], envelope: Array, phase: Array) -> list[RidgeFit]:
         for model in models:
-            if model not in known:
-                known[model] = fit_exactly(observed, *model, envelope, phase)
+            before = known.get(model)
+            if before is None or before.misfit > _NOISE:  # a start nearer by may lead out of a false minimum
+                again = fit_exactly(observed, *model, envelope, phase)
+                if before is None or (again is not None and again.misfit < _SHOWN * before.misfit):
+                    known[model] = again
         return [fit for model in models if (fit := known[model])]
 
     # A cubic spring that is left out bends the phase, and passes for damping of high order; one too many is dropped.
     begun = fitted([(min(1, most), (1, 3)), (min(1, most), (1,))], *observed.measured[:2])
     if not begun:
         raise RunsAway
-    fit, visited = begun[0], set[Orders]()
-    while fit.model not in visited:
-        visited.add(fit.model)
+    fit, visited = begun[0], set[RidgeFit]()
+    while fit not in visited:
+        visited.add(fit)
         backbones = fitted([(fit.order, orders) for orders in tried], fit.envelope, fit.phase)
-        fit, of_stiffness = _chosen(backbones, "stiffness", tried[-1][-1])
+        fit, of_stiffness = _chosen(backbones, "stiffness", tried[-1][-1], observed.independent)
         trials = fitted([(order, fit.orders) for order in range(most + 1)], fit.envelope, fit.phase)
-        fit, of_damping = _chosen([one for one in trials if one.order >= least], "damping", most)
+        fit, of_damping = _chosen(
+            [one for one in trials if one.order >= least], "damping", most, observed.independent
+        )
     return fit, known, (of_damping, of_stiffness)
 
 
-def _chosen(fits: list[RidgeFit], what: str, most: int) -> tuple[RidgeFit, str]:
+def _chosen(fits: list[RidgeFit], what: str, most: int, independent: float) -> tuple[RidgeFit, str]:
     """Choose among fits of ascending orders of stiffness, or of damping, up to `most`; RunsAway where there are none."""
     if not fits:
         raise RunsAway
     last = -1 if what == "stiffness" else -2 - len(fits[0].orders)
     orders = [fit.orders[-1] if what == "stiffness" else fit.order for fit in fits]
-    misfits = [fit.misfit for fit in fits]
+    misfits = [fit.misfits[what == "stiffness"] for fit in fits]
     clear = [abs(float(fit.theta[last] / fit.spread[last])) for fit in fits]
+    worth = [1.0 if misfit < _NOISE else _KNEE for misfit in misfits]
     for i in range(1, len(fits)):
-        if max(misfits[i], 1.0) < _SHOWN * min(misfits[:i]):
+        lower = min(misfits[:i])
+        if max(misfits[i], 1.0) < _SHOWN * lower:
             clear[i] = np.inf
-    worth = [_FALL if misfit < 2.0 else _KNEE for misfit in misfits]
+        clear[i] = min(clear[i], sqrt(independent * max(lower - misfits[i], 0.0)))
     higher = (
         "with a higher one the motion would diverge" if orders[-1] < most else "no higher order was tried"
     )
