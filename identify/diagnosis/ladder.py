@@ -8,7 +8,7 @@ from identify.effects.families import FAMILY_OF
 from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
-from identify.fitting.corrected_faults import corrected_faults
+from identify.fitting.corrected_faults import corrected_faults, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
@@ -160,12 +160,17 @@ def share_explained(step: Step, without: Step) -> float | None:
     """
     if _needed(step, without):
         return None
-    gain = without.fit.chi_square - step.fit.chi_square
-    return max(gain / without.fit.chi_square, 0.0)
+    left = _chi_square(without)
+    return max((left - _chi_square(step)) / left, 0.0)
 
 
 def _needed(step: Step, without: Step) -> bool:
-    return without.fit.chi_square >= step.fit.chi_square + _STILL_NEEDED * max(step.fit.reduced, 1.0)
+    return _chi_square(without) >= _chi_square(step) + _STILL_NEEDED * max(step.fit.reduced, 1.0)
+
+
+def _chi_square(step: Step) -> float:
+    """What a step leaves, with the faults that its fit corrects and its model does not name."""
+    return step.fit.chi_square + sum(f.drop for f in unnamed_faults(step.baseline.decays, step.fit))
 
 
 def without_needless_effects(step: Step, kept: set[str]) -> list[Step]:
@@ -177,7 +182,7 @@ def without_needless_effects(step: Step, kept: set[str]) -> list[Step]:
         tried = [r for r in tried if not _needed(here, r)]
         if not tried:
             return dropped
-        dropped.append(min(tried, key=lambda r: r.fit.chi_square))
+        dropped.append(min(tried, key=_chi_square))
 
 
 def _name_corrected_fault(step: Step, effect: Effect) -> Step:

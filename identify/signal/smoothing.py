@@ -10,6 +10,9 @@ _RISE = 1.4
 _DRIFTS = 0.75
 """Share of the misfit left by a corner 1.4 times as high: 0.43 for a jump in the acceleration, 0.84 for a random walk."""
 
+_UNKNOWN = 1e-11
+"""Weight of an unknown sample, over that of the penalty: without any a long gap cannot be solved."""
+
 _PENALTY = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 SLOPE = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 """Central first derivative, exact to degree 6, per sample."""
@@ -19,7 +22,7 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
     """Return the penalised least-squares smooth of `values` (n,); `corner` is in cycles per sample.
 
     Fourth differences are penalised (Whittaker 1923): the gain at frequency f is 1 / (1 + (f/corner)^8), without phase,
-    and polynomials of degree 3 pass unchanged, at the ends too. Unknown samples have no weight.
+    and polynomials of degree 3 pass unchanged, at the ends too. Unknown samples have hardly any weight.
     """
     n = len(values)
     if n < 10 or corner >= 0.4:
@@ -29,7 +32,7 @@ def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
     for k in range(PENALTY_ORDER + 1):
         for m in range(PENALTY_ORDER + 1 - k):
             band[k, m : m + n - PENALTY_ORDER] += strength * _PENALTY[m] * _PENALTY[m + k]
-    weights = np.ones(n) if known is None else known.astype(float)
+    weights = np.ones(n) if known is None else np.where(known, 1.0, _UNKNOWN * strength)
     band[0] += weights
     return solve_banded(band, weights * values)
 

@@ -32,6 +32,8 @@ _NAMES = {effect.name: stiffness_name(order) for order, effect in STIFFNESS_BY_O
 FAR_APART = 4.0
 """Standard errors from which on two estimates disagree."""
 
+_DRIVES = 3.0
+"""Standard errors below zero from which on a dry friction is not one."""
 
 GAIN_WORTH_SAYING = 2e-3
 """Relative difference of the channels' gains below which nothing is said of it."""
@@ -43,7 +45,7 @@ class Adequacy:
 
     `adequate` says whether the noise floor is reached. `apart` is the parameter in which two of the estimates (by the
     methods, by the simulation) are farthest apart, with the distance in standard errors `sigmas`. `doubt` is what its
-    clock, its noise, or the verdict on the recording holds against every value of it; "" for nothing.
+    clock, its noise, the sign of its friction, or the verdict on the recording holds against every value; "" for nothing.
     """
 
     fit: Fit
@@ -106,7 +108,9 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
         _NAMES[term.effect.name]: fit.parameters[str(term.strength)] for term in fit.model.forces
     }
     apart, sigmas = farthest(estimates)
-    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise)
+    drives = any(method.damping[0].value < -_DRIVES * method.damping[0].std for method in methods)
+    of_law = "its dry friction would drive the mass (another law of damping passes for one)" if drives else ""
+    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise or of_law)
 
 
 def _per_mass(method: Method) -> dict[str, Estimate]:

@@ -6,6 +6,7 @@ from releases import CALIBRATED, drawn
 from scipy import stats
 from test_fit import fitted
 
+from identify.diagnosis.ladder import add_effect, first_step, share_explained
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
@@ -143,3 +144,11 @@ def test_a_model_that_names_a_fault_owns_up_to_it():
     named = replace(found, model=found.model.plus(Term(find_effect("channel_gain"))))
     assert unnamed_faults((prepared,), found)[0].drop > 0.0
     assert unnamed_faults((prepared,), named) == ()
+
+
+def test_naming_lost_readings_is_needed_though_every_fit_leaves_them_out():
+    prepared, _ = drawn("dropouts", 0.02, 41)
+    before = first_step(prepared)
+    named = add_effect(before, find_effect("dropouts"))
+    assert named.error.chi_square < 0.5 * before.error.chi_square
+    assert share_explained(named, before) is None

@@ -164,3 +164,13 @@ def test_a_record_without_a_reading_is_refused_in_words():
     for identified in (reconstruct, identify_wavelet, identify_restoring_force):
         with pytest.raises(NotIdentifiable, match="Only 0 readings follow the release"):
             identified(lost)
+
+
+@pytest.mark.parametrize("gap", [3.0, 12.0])
+def test_readings_that_are_lost_for_seconds_leave_a_motion(gap):
+    sample = draw(None, 0.0, 911, seconds=30.0, mu_0=0.03, mu_1=0.05)
+    valid = np.ones(len(sample.displacement), dtype=bool)
+    first = int(2.0 * sample.rate)
+    valid[first : first + int(gap * sample.rate)] = False
+    motion = reconstruct(FreeDecay(sample.rate, sample.displacement, valid=valid, release=256))
+    assert np.isfinite(motion.displacement).all()

@@ -18,6 +18,7 @@ from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.identified import Identified
 from identify.model.model import base_model, model_of_orders
+from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import prepare
 from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
@@ -200,6 +201,17 @@ def test_where_the_guessed_noise_is_far_above_all_that_is_left_no_value_is_quote
     assert seen.adequate
     assert seen.error.motion_percent > 0.7  # of a reading with 0.2 % of noise
     assert "only a guess, and any model would pass: do not quote its values" in judgement(seen)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_dry_friction_that_would_drive_the_mass_is_not_quoted(seed):
+    """Drag alone, beside noise that hides its order: friction below zero and more viscous damping pass for it."""
+    sample = draw("quadratic_damping", 0.005 * seed, seed, mu_0=0.0, mu_1=0.1, noise_displacement=1e-3)
+    located = locate_and_align(FreeDecay(sample.rate, sample.displacement))
+    seen = adequacy(prepare(located), [identify_wavelet(located.decay, 1)])
+    assert seen.adequate
+    assert not seen.quotable
+    assert "would drive the mass" in judgement(seen)
 
 
 def test_gains_that_differ_leave_the_forces_uncertain():
