@@ -15,7 +15,7 @@ from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
-from identify.model.model import Model
+from identify.model.model import Model, base_model
 from identify.model.parameter_id import values_in_release
 from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.noise import Noise, stale
@@ -220,6 +220,9 @@ def fit_baseline(
     start = known if known is not None else initial_values(decays, model, {})
     start = own_springs(decays, model, start) | start
     found = fit(model, windows, start, frequency)
+    if not np.isfinite(found.chi_square):  # by equation error the motion runs away: a linear one does not
+        linear = {str(term.strength): 0.0 for term in model.forces if term.effect.name not in base_model()}
+        found = fit(model, windows, start | linear, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if mended != decays:
         found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
