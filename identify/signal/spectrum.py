@@ -54,11 +54,9 @@ def white_level(power: Array, most: float) -> float:
 def high_band_floor(values: Array, rate: float, above: float) -> tuple[float, float]:
     """Return the white-noise standard deviation of a residual from its band above a frequency in Hz, and its standard error.
 
-    Lines are left out of it. The error is inf when the band is empty, or the residual is that of a motion that diverged.
+    Lines are left out of it. The error is inf when the band is empty.
     """
     n = len(values)
-    if not np.isfinite(values).all():
-        return 0.0, float("inf")
     taper = np.hanning(n)
     power = np.abs(np.fft.rfft((values - values.mean()) * taper)) ** 2 / np.sum(taper**2)
     power = power[np.fft.rfftfreq(n, 1.0 / rate) > above][:-1]

@@ -144,10 +144,8 @@ class _Ridge:
         A phase counts as far as there is an envelope, measured and computed: that of a mass at rest is rounding.
         """
         (envelope, phase), (measured, turned, _) = self.seen(decays), self.observed.measured
-        sure = self.observed.sure
-        return np.concatenate(
-            [(envelope - measured) * sure, (phase - turned) * np.minimum(envelope, measured) * sure], axis=1
-        )
+        off = (envelope - measured, (phase - turned) * np.minimum(envelope, measured))
+        return np.concatenate([one * self.observed.inverse_noise for one in off], axis=1)
 
     def columns(self, theta: Array) -> Array:
         """Return how what a model leaves changes with its parameters, each in its size, (p, 2m).
@@ -194,7 +192,7 @@ def _spread(observed: Observed, left: Array, gain: Array) -> Array:
     """
     count, on = len(observed.points), observed.weight > 0
     _, phase, _ = observed.measured
-    turned = observed.sure * np.exp(1j * (phase + observed.derivatives * np.pi / 2))
+    turned = observed.inverse_noise * np.exp(1j * (phase + observed.derivatives * np.pi / 2))
     of_envelope, of_phase = gain[:, :count], gain[:, count:]
     on_points = (of_envelope + 1j * of_phase) * turned / observed.angular_frequency**observed.derivatives
     rows = observed.noise * observed.ridge.weights_on_samples(on_points, len(observed.samples))

@@ -86,7 +86,7 @@ class Observed:
         return envelope, phase, slope + self.angular_frequency
 
     @cached_property
-    def sure(self) -> Array:
+    def inverse_noise(self) -> Array:
         """One over the standard deviation of the envelope's noise, (m,); 0 where there is nothing to read."""
         return np.asarray((self.weight > 0) / np.sqrt(self.variance))
 

@@ -32,7 +32,7 @@ _NAMES = {effect.name: stiffness_name(order) for order, effect in STIFFNESS_BY_O
 FAR_APART = 4.0
 """Standard errors from which on two estimates disagree."""
 
-_DRIVES = 3.0
+_NEGATIVE = 3.0
 """Standard errors below zero from which on a dry friction is not one."""
 
 GAIN_WORTH_SAYING = 2e-3
@@ -108,8 +108,8 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
         _NAMES[term.effect.name]: fit.parameters[str(term.strength)] for term in fit.model.forces
     }
     apart, sigmas = farthest(estimates)
-    drives = any(method.damping[0].value < -_DRIVES * method.damping[0].std for method in methods)
-    of_law = "its dry friction would drive the mass (another law of damping passes for one)" if drives else ""
+    negative = any(method.damping[0].value < -_NEGATIVE * method.damping[0].std for method in methods)
+    of_law = "its dry friction is below zero, so another law of damping must be at work" if negative else ""
     return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise or of_law)
 
 
