@@ -18,7 +18,6 @@ from identify.signal.order_selection import choose_order
 from identify.signal.weak_form import place_windows
 from identify.summary import Summary
 
-_FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 _ROUNDS = 6  # fits, each about the rest position that the last one found
 _SETTLED = 1e-6  # of the motion, by which that may be off
 
@@ -104,7 +103,7 @@ def identify_restoring_force(
     clear = [fit.clear for fit in tried]
     misfits = [fit.solution.chi_square for fit in tried]
     orders = range(least_order, max_order + 1)
-    order, reason = choose_order(orders, misfits, clear, [_FALL] * len(tried), "damping")
+    order, reason = choose_order(orders, misfits, clear, "damping")
     return _result(decay, begins, window, fits, fits[order], reason)
 
 

@@ -11,33 +11,22 @@ def choose_order(
     orders: Sequence[int],
     misfits: Sequence[float],
     clearances: Sequence[float],
-    worth: Sequence[float],
     what: str,
     higher: str = "no higher order was tried",
 ) -> tuple[int, str]:
     """Return the chosen order and a sentence that says why.
 
     `orders` ascending; `misfits` the mean square error of each; `clearances` the highest coefficient of each
-    over its standard error; `worth` the share of the best lower order's misfit below which each must come. The
-    highest order is taken that stands clear of zero and is worth it; the lowest needs no reason. `what` names
-    the polynomial, `higher` says why there is none above these.
+    over its standard error. The highest order is taken that stands clear of zero; the lowest needs no reason. `what`
+    names the polynomial, `higher` says why there is none above these.
     """
-    best = 0
-    for i in range(1, len(orders)):
-        if clearances[i] > CLEAR and misfits[i] < worth[i] * min(misfits[:i]):
-            best = i
+    best = max(i for i in range(len(orders)) if i == 0 or clearances[i] > CLEAR)
     chosen = f"{what} of order {orders[best]}"
     if best == len(orders) - 1:
         return orders[best], f"{chosen}: {_gain(orders, misfits, best)}{higher}"
-    following = best + 1
-    away = clearances[following]
+    away = clearances[best + 1]
     far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"
-    why_not = f"the coefficient of order {orders[following]} is {far}"
-    if away > CLEAR:
-        why_not = (
-            f"order {orders[following]} would lower the misfit only to "
-            f"{100 * misfits[following] / max(misfits[best], 1e-300):.0f} % of it"
-        )
+    why_not = f"the coefficient of order {orders[best + 1]} is {far}"
     if best == 0:
         return orders[0], f"{chosen} is enough: {why_not}"
     return orders[best], f"{chosen}: {_gain(orders, misfits, best)}{why_not}"

@@ -25,8 +25,7 @@ from identify.wavelet.ridge import Observed, RunsAway, exact_decay, observe
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _FEWEST_CYCLES = 3.0
-_NOISE = 2.0  # mean square that is left, in units of the noise, up to which all of it may be noise
-_KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
+_NOISE = 2.0  # mean square that is left, in units of the noise, up to which a fit is not tried again
 _SHOWN = 0.1  # where it leaves so little, the order is there, however uncertain its size
 _TRUSTED = 0.9  # share of the window that must hold samples
 
@@ -150,7 +149,6 @@ def _chosen(fits: list[RidgeFit], what: str, most: int, independent: float) -> t
     orders = [fit.orders[-1] if what == "stiffness" else fit.order for fit in fits]
     misfits = [fit.misfits[what == "stiffness"] for fit in fits]
     clear = [abs(float(fit.theta[last] / fit.spread[last])) for fit in fits]
-    worth = [1.0 if misfit < _NOISE else _KNEE for misfit in misfits]
     for i in range(1, len(fits)):
         lower = min(misfits[:i])
         if max(misfits[i], 1.0) < _SHOWN * lower:
@@ -159,7 +157,7 @@ def _chosen(fits: list[RidgeFit], what: str, most: int, independent: float) -> t
     higher = (
         "with a higher one the motion would diverge" if orders[-1] < most else "no higher order was tried"
     )
-    order, reason = choose_order(orders, misfits, clear, worth, what, higher)
+    order, reason = choose_order(orders, misfits, clear, what, higher)
     return fits[orders.index(order)], reason
 
 
