@@ -9,9 +9,9 @@ from rich.console import Console
 
 from bench.workbench_server import ROOT
 from identify.formatting import plain_name, three_figures
+from identify.residual import times
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
-from station.story.residual import times
 from station.text.ladder_text import steps_table
 from station.text.layout import show_parts
 

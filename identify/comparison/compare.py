@@ -30,6 +30,7 @@ from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.residual import floor_words, times
 from identify.signal.smoothing import without_line
 from identify.summary import Summarised, Summary
 
@@ -95,7 +96,7 @@ class Comparison(Summarised):
         rows = (
             ("force, mean square %", three_figures(self.force_error), three_figures(self.force_floor)),
             ("motion, rms %", three_figures(self.motion_error), "-"),
-            ("reduced chi-square", three_figures(self.chi_square), f"1 ± {self.chi_square_std:.2f}"),
+            ("motion, times the noise", times(self.chi_square), floor_words(self.chi_square_std)),
         )
         return Summary(title, (self.cause, *places), ("error", "value", "at the floor"), rows)
 

@@ -23,7 +23,7 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import ModelError, errors_of, may_hide_anything
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
-from identify.formatting import plain_name, quantities, three_figures
+from identify.formatting import plain_name, quantities
 from identify.free_decay import FreeDecay
 from identify.judging.judgement import judge, large_enough, listed_suspects
 from identify.judging.nonparametric_force import NonparametricForce
@@ -44,6 +44,7 @@ from identify.model.model import Model, base_model
 from identify.planning.hypotheses import Hypothesis, hypotheses_of, what_can_hide
 from identify.planning.next_release import Limits, NextRelease, next_release
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.residual import times
 from identify.summary import Summarised, Summary
 
 _MOST_STEPS = 5
@@ -201,7 +202,7 @@ class Diagnosis(Summarised):
         rows = [
             (
                 suspect.effect.name,
-                three_figures(suspect.error_after),
+                times(suspect.error_after),
                 f"{suspect.evidence:.0f}",
                 "yes" if suspect.claimed else "no",
             )
@@ -223,7 +224,7 @@ class Diagnosis(Summarised):
                 modes_sentence(self.modes),
                 f"Record next: {self.next_experiment}",
             ),
-            ("suspect", "chi-square after", "evidence (nats)", "claimed"),
+            ("suspect", "times noise after", "evidence (nats)", "claimed"),
             rows,
             shares_summary(self.shares),
         )

@@ -6,7 +6,6 @@ from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
     explain_unconfirmed,
-    explained,
 )
 from identify.effects.families import FAMILY_OF
 from identify.fitting.baseline import Baseline
@@ -27,6 +26,7 @@ from identify.judging.beside_walk import walk_sentence
 from identify.judging.suspect import Suspect
 from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
+from identify.residual import floor_words, share_explained, times
 
 _MOST_ALTERNATIVES = 4
 """Alternatives that are listed; of more the rest is counted."""
@@ -83,42 +83,33 @@ def explain(
     return f"{first} {second}"
 
 
-def floor_of(baseline: Baseline) -> str:
-    """Return the reduced chi-square of an adequate model, with its standard error."""
-    return f"1 ± {baseline.spread:.2f}" if np.isfinite(baseline.spread) else "1 (error not known)"
-
-
 def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
     """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
     name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
     return (
         f"{name} is significant, but it removes only {three_figures(removed)} % of the motion, too little to name it. "
-        f"Without it the model leaves {left} % of the motion, a reduced chi-square of "
-        f"{three_figures(baseline.reduced(baseline.fit))}."
+        f"Without it the model leaves {left} % of the motion ({_times_the_noise(baseline.reduced(baseline.fit))})."
     )
 
 
 def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
     """Explain why nothing is missing: the floor is reached, with or without a small line, or the rest is too small."""
-    left = three_figures(baseline.reduced(baseline.fit))
+    left = _times_the_noise(baseline.reduced(baseline.fit))
     whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
-    floor = f"the noise floor ({floor_of(baseline)})"
+    floor = f"the noise floor ({floor_words(baseline.spread)})"
     line = next((s for s in suspects if _is_remarked_line(s, baseline, settled)), None)
     if line is not None:
         return (
-            f"{_line_in_words(line)} With it the model leaves a reduced chi-square of "
-            f"{three_figures(line.error_after)}, without it {left}; {floor} is a guess."
+            f"{_line_in_words(line)} With it the model leaves {_times_the_noise(line.error_after)}, without it {left}; "
+            f"{floor} is a guess."
         )
     if not baseline.adequate(baseline.fit):
+        known = "known" if baseline.floor_is_sure else "a guess"
         return (
-            f"The model leaves {whole}, too little to name an effect. Yet the reduced chi-square is {left}; "
-            f"{floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
+            f"The model leaves {whole}, too little to name an effect. Yet it is {left}; {floor} is {known}."
         )
     counts = f"which is {floor}" if baseline.floor_is_sure else f"which counts as noise: {floor} is a guess"
-    return (
-        f"The model leaves a reduced chi-square of {left}, {counts}; "
-        "no effect of the library lowers it by more than chance would."
-    )
+    return f"The model leaves {left}, {counts}; no effect of the library lowers it by more than chance would."
 
 
 def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
@@ -140,8 +131,8 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)}"
     if not top.strength_known:
         what += " (this record does not determine its strength)"
-    before = three_figures(baseline.reduced(baseline.fit))
-    after = three_figures(baseline.reduced(judgement.final) if together else top.error_after)
+    before = times(baseline.reduced(baseline.fit))
+    after = _times_the_noise(baseline.reduced(judgement.final) if together else top.error_after)
     if together:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
@@ -151,8 +142,8 @@ def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Base
     where = min(misfits, key=lambda c: misfits[c][1] / misfits[c][0])
     first, last = map(three_figures, misfits[where])
     return (
-        f"{what} the residual from {first} to {last} % of the {where}, and the reduced chi-square from {before} to "
-        f"{after}; the noise floor is {floor_of(baseline)}.{_above_the_floor(baseline, judgement)}"
+        f"{what} the residual from {first} to {last} % of the {where}, and from {before} to {after}; the noise floor is "
+        f"{floor_words(baseline.spread)}.{_above_the_floor(baseline, judgement)}"
         f"{_hardly_any_of_it(baseline, top, settled)}"
     )
 
@@ -162,8 +153,8 @@ def _above_the_floor(baseline: Baseline, judgement: Judgement) -> str:
     reached = not baseline.floor_is_sure or baseline.adequate(judgement.final)
     if reached or judgement.shape is not None or judgement.walk is not None:
         return ""
-    times = _times_the_noise(baseline.reduced(judgement.final))
-    return f" The residual is {times}, but neither a random walk nor a smooth law explains more of it than chance would."
+    left = _times_the_noise(baseline.reduced(judgement.final))
+    return f" The residual is {left}, but neither a random walk nor a smooth law explains more of it than chance would."
 
 
 def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
@@ -217,7 +208,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if tied:
         return f"With less evidence, these would reach the floor, too: {_listed(tied)}."
     best = min((s for s in tried if s.plausible), key=lambda s: s.error_after, default=None)
-    share = 0.0 if best is None else explained(best, baseline.reduced(baseline.fit))
+    share = 0.0 if best is None else share_explained(baseline.reduced(baseline.fit), best.error_after)
     if best is None or share < EXPLAINS_NOTHING:
         return "No other effect explains any of it."
     return (
@@ -235,20 +226,14 @@ def _listed(suspects: list[Suspect]) -> str:
 
 def _times_the_noise(reduced: float) -> str:
     """Return the rms of a residual as a multiple of the noise, from its reduced chi-square."""
-    return f"{_times(reduced)} the noise"
-
-
-def _times(reduced: float) -> str:
-    return f"{three_figures(float(np.sqrt(reduced)))} times"
+    return f"{times(reduced)} times the noise"
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     """State a fit's residual in % of the motion and as a multiple of the noise; the multiple alone at a sure floor."""
-    times = _times_the_noise(chi_square)
+    left = _times_the_noise(chi_square)
     return (
-        times
-        if baseline.floor_is_sure
-        else f"{three_figures(motion_percent(found))} % of the motion ({times})"
+        left if baseline.floor_is_sure else f"{three_figures(motion_percent(found))} % of the motion ({left})"
     )
 
 
@@ -256,11 +241,14 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     """State how much the model leaves, and the residual with each effect that explains most of it, or the best one."""
     before = baseline.reduced(baseline.fit)
     whole = _left(baseline, baseline.fit, before)
-    floor = f"noise alone would leave 1 ± {0.5 * baseline.spread:.2g} times"  # the rms errs by half as much as chi-square
+    floor = f"noise alone would leave {floor_words(baseline.spread)} times"
     if best is None:
         return f"Something is missing, and no effect can be named: the model leaves {whole}; {floor}."
     tried = [s for s in suspects if s.plausible and s.effect.kind == "physics"]
-    most = sorted((s for s in tried if explained(s, before) > _MOST_OF_IT), key=lambda s: s.error_after)
+    most = sorted(
+        (s for s in tried if share_explained(before, s.error_after) > _MOST_OF_IT),
+        key=lambda s: s.error_after,
+    )
     rest = "No effect explains the rest"
     shown = most or [best]
     if baseline.adequate(shown[0].fit):
@@ -272,7 +260,7 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
 def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
     """State the residual with each suspect alone, the best first."""
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
-    listed = [f"{plain_name(s.effect.name)} {_times(s.error_after)}" for s in shown]
+    listed = [f"{plain_name(s.effect.name)} {times(s.error_after)} times" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
         more = len(most) - _MOST_ALTERNATIVES
         listed.append(f"{more} other{'s' if more > 1 else ''} nearly as little")
@@ -314,10 +302,10 @@ def _unknown(
 
 def _corrected(baseline: Baseline, top: Suspect) -> str:
     numbers = ", ".join(quantities(top.parameters))
-    before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
+    before, after = times(baseline.reduced(baseline.fit)), _times_the_noise(top.error_after)
     return (
         f"A sensor is at fault: {plain_name(top.effect.name)}{_where(top)} ({numbers}); without allowing for it "
-        f"the reduced chi-square is {before}, with it {after}; the noise floor is {floor_of(baseline)}. "
+        f"the residual is {before}, with it {after}; the noise floor is {floor_words(baseline.spread)}. "
         f"Once it is corrected the forces are not affected; {top.effect.confirming_test}."
     )
 

@@ -7,6 +7,7 @@ from identify.curves.decay_curve import DecayCurve
 from identify.fitting.misfit_errors import is_clear
 from identify.formatting import among, odds_words, plain_name, quantities, share_words, three_figures
 from identify.judging.suspect import Suspect
+from identify.residual import share_explained
 
 _NEARLY_ALL = 0.9
 """Share of what the model leaves above the noise that a force must explain to be spoken of though its strength is unsure."""
@@ -55,18 +56,13 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
 def _not_sure(leading: Suspect, before: float) -> str:
     """Say of a force that would explain nearly all of it what keeps it from a name; "" where it is no such force."""
     name, strength = leading.effect.strength.name, leading.parameters.get(leading.effect.strength.name)
-    share = explained(leading, before)
+    share = share_explained(before, leading.error_after)
     if leading.kind != "physics" or not leading.claimed or share < _NEARLY_ALL or strength is None:
         return ""
     would = f"{plain_name(leading.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves"
     if not is_clear(leading.fit, leading.term):
         return f"{would}, but its strength, {quantities({name: strength})[0]}, may be zero."
     return f"{would}; {_among(leading.rivals, 'or')} would do as well." if leading.rivals else ""
-
-
-def explained(suspect: Suspect, before: float) -> float:
-    """Return the share of a misfit above the noise that a suspect explains; `before` is its reduced chi-square."""
-    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def explain_driven(curve: DecayCurve, unit: str) -> str:

@@ -18,6 +18,7 @@ from identify.judging.suspect import Suspect
 from identify.judging.suspects import candidate_terms, try_terms
 from identify.model.model import Model, Term, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.residual import times
 from identify.summary import Summarised, Summary
 
 _STILL_NEEDED = 12.0
@@ -80,7 +81,7 @@ class Ladder(Summarised):
                 else "model to begin with",
                 three_figures(step.error.force_mse_percent),
                 three_figures(step.error.motion_percent),
-                three_figures(step.error.chi_square),
+                times(step.error.chi_square),
                 "yes" if step.at_floor else "no",
             )
             for step in self.steps
@@ -91,7 +92,7 @@ class Ladder(Summarised):
         return Summary(
             f"Ladder: {' + '.join(self.top.effects)}",
             (reason,),
-            ("effect", "force MSE %", "motion %", "reduced chi-square", "at the floor"),
+            ("effect", "force MSE %", "motion %", "times noise", "at the floor"),
             rows,
         )
 

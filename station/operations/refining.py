@@ -19,6 +19,7 @@ from identify.fitting.model_error import noise_percent
 from identify.formatting import plain_name, three_figures
 from identify.judging.nonparametric_force import curve_of_rest
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.residual import residual_words
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
 from station.own_effects import named_effect, whole_library
@@ -28,7 +29,6 @@ from station.results.models import known_model, model_file, name_of, parsed_effe
 from station.settings import Settings
 from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session, weighing_of
-from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean
 
 

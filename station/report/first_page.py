@@ -4,11 +4,11 @@ from datetime import UTC
 
 from identify.fitting.fit import Fit
 from identify.formatting import DASH, among, decimals_for, plain_name, three_figures, with_error
+from identify.residual import residual_words
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.engineering_values import budget, engineering_values
 from station.story.preparation import calibration_of
-from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
 from station.text.identification_text import mass_words
 from station.text.layout import sentence

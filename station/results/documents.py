@@ -11,9 +11,9 @@ from pydantic_core import to_json, to_jsonable_python
 from daq.errors import NotWritable, StorageError
 from daq.session import Session
 from daq.storage import digest
+from identify.residual import residual_words
 from station.exits import UsageProblem
 from station.output import progress
-from station.story.residual import residual_words
 
 LARGEST = 50 << 20
 

@@ -18,9 +18,9 @@ from identify.fitting.segments import segments_of
 from identify.formatting import damping_name, stiffness_name, two_figures
 from identify.model.model import model_of_orders
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.residual import floor_words, residual_words
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
-from station.story.residual import floor_words, residual_words
 
 Method = WaveletResult | RestoringForceResult
 

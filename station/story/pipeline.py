@@ -29,12 +29,12 @@ from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.preprocessing.release import Release
+from identify.residual import residual_words
 from identify.restoring_force.restoring_force import RestoringForceResult, identify_restoring_force
 from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
 from station.story.adequacy import Adequacy, Method, needed_orders
 from station.story.engineering_values import Weighing
 from station.story.preparation import Options, locate
-from station.story.residual import residual_words
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]

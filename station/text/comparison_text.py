@@ -4,8 +4,8 @@ import numpy as np
 
 from identify.fitting.model_error import may_hide_anything, noise_percent
 from identify.formatting import plain_name, three_figures
+from identify.residual import floor_words
 from station.story.pipeline import Compared
-from station.story.residual import floor_words
 from station.text.content import Told, facts
 from station.text.layout import sentence
 from station.text.numbers import noise_words, typeset

@@ -7,6 +7,7 @@ from pathlib import Path
 from identify.formatting import DASH, among, plain_name, three_figures
 from identify.judging.verdict import headline_of
 from identify.priors import CLEAR
+from identify.residual import floor_words, residual_words, times, would_explain
 from station.results.confirmation_document import PredictionErrors
 from station.results.diagnosis_document import (
     DecidedDocument,
@@ -17,7 +18,6 @@ from station.results.diagnosis_document import (
 )
 from station.results.documents import EstimateDocument
 from station.story.engineering_values import Weighing
-from station.story.residual import floor_words, residual_words, times, would_explain
 from station.suggestions import MEASURED_CURVE
 from station.text.content import Paragraph, Part, Table, Told, Tone, facts
 from station.text.numbers import amplitude_words, typeset, typeset_unit, with_names

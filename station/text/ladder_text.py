@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 
 from identify.formatting import three_figures
+from identify.residual import floor_words, noise_multiple, times
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.engineering_values import Weighing
-from station.story.residual import floor_words, noise_multiple, times
 from station.text.content import Table, Told, facts
 from station.text.layout import sentence
 from station.text.numbers import change, typeset, with_unit

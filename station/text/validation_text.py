@@ -4,8 +4,8 @@ import math
 
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name, three_figures
+from identify.residual import noise_multiple
 from station.results.validation_document import ValidationDocument
-from station.story.residual import noise_multiple
 from station.text.content import Table, Told, Tone, facts
 from station.text.layout import sentence
 

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from identify.formatting import plain_name
-from station.story.residual import floor_words, times
+from identify.residual import floor_words, times
 from station.text.diagnosis_text import found_in_sensor, not_distinguishable
 from station.text.guide_text import odds_before, percent
 from station.text.layout import sentence

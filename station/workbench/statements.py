@@ -3,10 +3,10 @@
 import math
 
 from identify.formatting import plain_name, three_figures
+from identify.residual import explained_words, times
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import name_of
-from station.story.residual import explained_words, times
 from station.suggestions import MEASURED_CURVE
 from station.text.diagnosis_text import parameters
 from station.workbench.view_models import Drawing, View

@@ -15,6 +15,7 @@ from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, NAMED
 from identify.errors import NotIdentifiable
+from identify.residual import explained_words
 from station.exits import Problem, UsageProblem
 from station.operations.current_model import current_model
 from station.operations.diagnosing import check_same_bench, compare_session, diagnose_sessions
@@ -30,7 +31,6 @@ from station.results.models import name_of, parsed_effect
 from station.results.sessions import doubt
 from station.settings import Settings
 from station.story.preparation import Options, prepare_recording
-from station.story.residual import explained_words
 from station.suggestions import MEASURED_CURVE
 from station.text.numbers import typeset
 from station.workbench.frames import frame_id

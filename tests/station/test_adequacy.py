@@ -20,6 +20,7 @@ from identify.identified import Identified
 from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import prepare
+from identify.residual import residual_words
 from identify.restoring_force.restoring_force import identify_restoring_force
 from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
@@ -33,7 +34,6 @@ from station.story.adequacy import (
     scale_doubt,
 )
 from station.story.engineering_values import UNKNOWN, Weighing, engineering_values
-from station.story.residual import residual_words
 
 MASS = 21.36
 

@@ -10,12 +10,12 @@ from hidden import DUFFING, TRUTH
 from rerun.chunk import RrdReader
 
 from daq.session import Session
+from identify.residual import times
 from station.operations import viewer_tabs
 from station.operations.identifying import identify_session
 from station.operations.refining import add, open_refinement, step_again
 from station.operations.session_set import open_sessions
 from station.settings import Settings
-from station.story.residual import times
 from station.views import tabs, viewer
 from station.views.palette import VIEWERS
 

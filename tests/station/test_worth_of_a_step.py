@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hidden import NOTHING
 
+from identify.residual import reaches_floor, would_explain
 from mocks.generate import draw
 from station.cli import run
 from station.results.ladder import KeptLadder
-from station.story.residual import reaches_floor, would_explain
 
 
 @pytest.fixture

@@ -14,11 +14,11 @@ from daq.session import Session, list_sessions
 from identify.effects.library import LIBRARY, find_effect
 from identify.formatting import plain_name
 from identify.model.model import Model, Term
+from identify.residual import explained_words
 from station.exits import UsageProblem
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
 from station.settings import Settings
 from station.story.pipeline import silent
-from station.story.residual import explained_words
 from station.workbench import session_menu
 from station.workbench.capture_run import ScopeObserver
 from station.workbench.opened_session import open_session

@@ -14,7 +14,7 @@ def noise_multiple(chi2: float | None) -> float:
 
 
 def times(chi2: float | None) -> str:
-    """Return the same with three figures, as "15.1"; "-" where it is not known."""
+    """Write the same with three figures, as "15.1"; "-" where it is not known."""
     return three_figures(noise_multiple(chi2))
 
 
@@ -45,7 +45,12 @@ def would_explain(before: float | None, after: float | None) -> str:
     """
     if before is None or after is None or not isfinite(before) or not isfinite(after):
         return "-"
-    return share_words(min(max((before - after) / (before - 1.0), 0.0), 1.0) if before > 1.0 else 0.0)
+    return share_words(share_explained(before, after))
+
+
+def share_explained(before: float, after: float) -> float:
+    """Return the share, 0 to 1, of a residual's mean square above the noise that an effect takes away."""
+    return min(max((before - after) / (before - 1.0), 0.0), 1.0) if before > 1.0 else 0.0
 
 
 def explained_words(before: float | None, after: float | None, spread: float | None) -> str:
