@@ -228,4 +228,5 @@ def _effect(
         better=after.better(before, channel),
         parts=len(after.predicted),
         evidence=evidence,
+        rivals=evidence.names[1:],
     )

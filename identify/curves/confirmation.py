@@ -11,7 +11,8 @@ from identify.model.model import Term
 class ConfirmedEffect:
     """An effect that predicts: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
-    With it `better` of the held-out `parts` are predicted better. `evidence` has the nats of it and of its rivals.
+    With it `better` of the held-out `parts` are predicted better. `evidence` has the nats of it and of other laws; `rivals`
+    are those that are not distinguishable from it.
     """
 
     term: Term
@@ -22,11 +23,7 @@ class ConfirmedEffect:
     better: int
     parts: int
     evidence: Evidence
-
-    @property
-    def rivals(self) -> tuple[str, ...]:
-        """The names of the laws that are not distinguishable from it."""
-        return self.evidence.names[1:]
+    rivals: tuple[str, ...] = ()
 
     @property
     def nats(self) -> float:

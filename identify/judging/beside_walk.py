@@ -213,8 +213,12 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Give a judgement without a name, at a sure floor, the random walk that explains all of the misfit, if one does."""
-    if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
+    """Give a judgement without a name, at a sure floor, the random walk that explains all of the misfit, if one does.
+
+    None does where every law that was weighed is better than it.
+    """
+    better = bool(judged.decided) and all(one.verdict != "nothing" for one in judged.decided)
+    if judged.verdict != "unknown_effect" or not baseline.floor_is_sure or better:
         return judged
     alone = baseline.walk.simulated
     enough = alone.evidence > RIVALS_WITHIN and baseline.reached_with(alone)

@@ -124,9 +124,12 @@ def agree(found: Confirmation, whole: Fit) -> bool:
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Candidate, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Name what the curves confirm, with their evidence; laws of time that are as good in one record keep their claim."""
+    """Name what the curves confirm, with their evidence; laws of time that are as good in one record are its rivals."""
     own = next((e for e in ranked if found.one_record and (e.name,) == found.names), None)
     drifting = () if own is None else tuple(e for e in _as_good(own, ranked) if e.term.effect.of_time)
+    as_good = tuple(e.name for e in drifting)
+    effects = (replace(effect, rivals=(*effect.rivals, *as_good)) for effect in found.effects)
+    found = replace(found, effects=tuple(effects))
     first = tuple(
         Candidate(effect.term, whole, effect.nats, plausible=True, claimed=True) for effect in found.effects
     )

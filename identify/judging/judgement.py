@@ -168,9 +168,8 @@ def _suspect(baseline: Baseline, candidate: Candidate, judgement: Judgement, set
     alike = judgement.alike(candidate.name)
     if is_final or not found:  # what is as good alone was not tried beside others
         alike = (*alike, *rivals_of(candidate, judgement.ranked))
-    if confirmed is not None:  # and laws of time that have kept their claim beside it
-        others = (e for e in judgement.ranked if e.claimed and e.name not in judgement.final.model)
-        alike = (*confirmed.rivals, *(e.name for e in others if e.term.effect.of_time))
+    if confirmed is not None:
+        alike = (*confirmed.rivals, *alike)
     rivals = tuple(dict.fromkeys(alike))
     # Beside others it may be in another variant than alone.
     term = next(

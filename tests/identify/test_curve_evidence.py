@@ -184,3 +184,15 @@ def test_a_release_that_sways_does_not_hide_what_three_share():
     found = Curves(tuple(decays), base_model(), {}, terms, scales_of(decays[0], {})).confirmation
     assert found is not None
     assert set(found.names) <= {"cubic_stiffness"}
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_a_law_of_time_that_is_far_behind_is_no_rival_of_a_name_that_the_curves_confirm(seed: int):
+    record = draw("freeplay", 0.1, seed)
+    found = diagnose(
+        FreeDecay(record.rate, record.displacement),
+        library=among("freeplay", "end_stop", "time_varying_stiffness", "cubic_stiffness", "fading_friction"),
+    )
+    assert found.named == ("freeplay",)
+    assert found.suspects[0].confirmed is not None
+    assert set(found.suspects[0].rivals) <= {"end_stop"}  # the same law by another name

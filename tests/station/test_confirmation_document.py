@@ -42,7 +42,9 @@ def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmat
         found = held((0.0, 1.0), (0.0, 2.0), one_record=True)
     drag_nats = {"quadratic_damping": 12.5, "cubic_damping": 11.0}
     evidence = Evidence(drag_nats, "named", ("quadratic_damping", "cubic_damping"), "loss")
-    drag = ConfirmedEffect(Term(find_effect("quadratic_damping")), 0.3, "loss", 6.0, 2.0, 2, 3, evidence)
+    drag = ConfirmedEffect(
+        Term(find_effect("quadratic_damping")), 0.3, "loss", 6.0, 2.0, 2, 3, evidence, evidence.names[1:]
+    )
     alike = Evidence({}, "may drift", ("cubic_stiffness", "time_varying_stiffness"), "frequency")
     effects_found, releases = (drag,) if effects else (), (0,) if one_record else (0, 1, 2)
     return Confirmation(effects_found, usual, found, one_record, (evidence, alike), releases=releases)
