@@ -180,12 +180,12 @@ def _says(cells: Sequence[str]) -> int:
 
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
-    """Cut a header line; between blanks `Time (s)` is one cell. Above a table of tabs, too, names may lie between blanks."""
+    """Cut a header line; between blanks `Time (s)` is one cell. Above tabs, too, names may lie between blanks, or commas."""
     blanks = delimiter == BLANK or (delimiter == "\t" and delimiter not in line.strip())
     plain = split(line.strip() if blanks else line, delimiter)
     if not blanks or len(plain) == width:
         return plain
-    for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):
+    for form in (r"\s{2,}|\t", r"\s+(?![\[(/])", ","):
         cells = re.split(form, line.strip())
         if len(cells) == width and (delimiter == BLANK or _says(cells)):
             return cells
