@@ -113,8 +113,9 @@ def _found(
 
 
 def _moving(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceColumn]:
-    """Return those of several columns that could be meant: no axis or channel that stands still beside one of its kind, in
-    one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
+    """Return those of several columns that could be meant: none that never moves, no axis or channel that stands still
+    beside one of its kind, in one unit, and none that repeats another in another unit (of an angle and a length, the
+    length is the one that repeats).
     """
     sensor = _axes_of_a_sensor(columns)
     kinds = {c.number: (("",) if sensor else _kind(c), c.said.unit_text) for c in columns}
@@ -122,12 +123,13 @@ def _moving(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceCol
     several = AXIS_MOVES if of_one_point else np.inf
     kept: list[SourceColumn] = []
     for column in sorted(columns, key=lambda c: (not c.said.angular, c.number)):
-        alike = [c for c in columns if kinds[c.number] == kinds[column.number]]
+        own = amplitude(column.values)
+        alike = [c for c in columns if own == 0.0 or kinds[c.number] == kinds[column.number]]
         first = max(alike, key=lambda c: amplitude(c.values))
         kind = kinds[column.number][0][0]
         factor = SENSOR_MOVES if sensor else several if kind in AXES.values() else CHANNEL_MOVES
-        own, most = amplitude(column.values), amplitude(first.values)
-        if factor * own < most:
+        most = amplitude(first.values)
+        if own == 0.0 < most or factor * own < most:
             notes.append(
                 f"{column.place} moves {100.0 * own / most:.2g} % as much as {first.place}: left out"
             )
@@ -199,7 +201,7 @@ def _of_unknown_kind(table: Table, rest: Sequence[SourceColumn], doubts: list[st
     """Return the column that oscillates most, in counts where it names no unit, as a displacement of which nothing says so,
     with a doubt. Raises ImportProblem where there is none beside the time.
     """
-    rest = [c for c in rest if oscillation(c.values) > 0.0] or rest
+    rest = [c for c in rest if oscillation(c.values) > 0.0 and not counts_rows(c.values)] or rest
     if not rest:
         raise problem(
             table.path, "holds no column beside the time",

@@ -83,6 +83,25 @@ def test_of_a_gyroscope_the_axis_that_turns_is_taken(tmp_path: Path) -> None:
     assert [(c.name, c.quantity) for c in recording.channels] == [("Gyroscope y (rad/s)", "velocity")]
 
 
+def test_an_angle_that_stays_zero_beside_a_length_is_not_offered(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    recording = load(tmp_path, table("t,theta,x", t, 0.0 * x, x))
+    assert [c.name for c in recording.channels] == ["x"]
+    assert any("'theta' moves 0 %" in note for note in recording.notes)
+
+
+def test_a_column_that_counts_rows_is_not_offered_as_the_motion(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    said = refusal(tmp_path, table("#,t (s),val", np.arange(len(t)), t, x))
+    assert "whether column 3 'val' is" in said
+
+
+def test_names_between_commas_stand_above_columns_between_tabs(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    recording = load(tmp_path, table("time (s),x (mm)", t, x, delimiter="\t"))
+    assert [(c.name, c.quantity) for c in recording.channels] == [("x (mm)", "displacement")]
+
+
 def test_counts_beside_a_time_are_a_displacement_in_counts(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     recording = load(tmp_path, table("millis,counts", 1e3 * t, np.round(5e4 * x), form="%.0f"))
