@@ -181,13 +181,13 @@ def _no_spring(record: FreeDecay) -> str:
 def _too_few(cycles: float, frequency: float, use: RecordUse, fewest: float) -> str:
     at_least = "four" if fewest == _SHORTEST_CYCLES else f"{fewest:g} beside other releases"
     if use.ended == "readings_missing":
-        before = (use.end_s - use.begin_s) * frequency / (2.0 * np.pi)
+        before = min((use.end_s - use.begin_s) * frequency / (2.0 * np.pi), fewest - 0.1)
         return (
             f"Only {before:.1f} cycles of free motion lie before {use.end_s:.2f} s, where {use.missing_s:.2g} s of readings "
             f"are missing; at least {at_least} are needed: cut the record so that it begins after them, or record again."
         )
     return (
-        f"Only {cycles:.1f} cycles of free motion stand above friction "
+        f"Only {min(cycles, fewest - 0.1):.1f} cycles of free motion stand above friction "
         f"and noise; record at least {at_least}, from a larger release."
     )
 

@@ -25,7 +25,7 @@ def choose_order(
     if best == len(orders) - 1:
         return orders[best], f"{chosen}: {_gain(orders, misfits, best)}{higher}"
     away = clearances[best + 1]
-    far = f"only {away:.1f} standard errors from zero" if away >= 0.05 else "zero"
+    far = f"only {min(away, CLEAR - 0.1):.1f} standard errors from zero" if away >= 0.05 else "zero"
     why_not = f"the coefficient of order {orders[best + 1]} is {far}"
     if best == 0:
         return orders[0], f"{chosen} is enough: {why_not}"

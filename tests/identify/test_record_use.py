@@ -65,6 +65,12 @@ def test_a_gap_soon_after_the_release_is_what_a_refusal_names():
         prepare(with_gap(1.3, 1.5))
 
 
+@pytest.mark.parametrize("end_s", [1.78, 1.8])  # the fourth cycle ends at 1.802 s
+def test_a_record_that_is_too_short_is_not_said_to_hold_as_many_cycles_as_are_needed(end_s):
+    with pytest.raises(NotIdentifiable, match=r"Only 3\.[89] cycles .* at least four"):
+        prepare(FreeDecay(SAMPLE.rate, np.asarray(SAMPLE.displacement)[: round(end_s * SAMPLE.rate)]))
+
+
 @pytest.mark.parametrize("frequency", [3.0, 3.3, 3.7, 4.0])
 def test_ten_readings_a_second_of_a_quick_motion_are_refused_with_the_rate_that_it_needs(frequency):
     time = np.arange(0.0, 40.0, 0.1)
