@@ -113,7 +113,7 @@ def diagnose_sessions(
     if not isinstance(model, KnownModel):
         model = current_model(sessions.sessions, model, library)
     decays, chosen, left_out = sessions.decays, model.model, None
-    progress(f"trying {len(library) - len(chosen.terms)} effects")
+    progress(f"trying {len(library) - len(chosen.terms)} effects and faults of a sensor")
     known = model.start(decays)
     found = diagnose(decays, chosen, library=library, known=known, worth=worth, progress=steps)
     if len(decays) > 1:

@@ -9,6 +9,8 @@ import pytest
 from contracts import ROOT
 
 import identify
+from identify.effects.library import BASE, LIBRARY
+from identify.effects.sensor_fault import SensorFault
 from station import exits
 from station.cli import COMMANDS, station
 from station.settings import Settings
@@ -149,3 +151,9 @@ def test_every_page_is_in_the_navigation():
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     pages = [page.relative_to(DOCS).as_posix() for page in DOCS.rglob("*.md")]
     assert [page for page in pages if f" {page}\n" not in navigation] == []
+
+
+def test_the_first_page_counts_the_effects_of_the_library():
+    faults = sum(isinstance(effect, SensorFault) for effect in LIBRARY)
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"one of {len(LIBRARY) - len(BASE) - faults} physical effects or {faults} sensor faults" in readme
