@@ -8,6 +8,7 @@ from daq.session import Session
 from identify.comparison.other_benches import other_benches
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.fitting.validation import leave_one_out
+from identify.formatting import three_figures
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import current_model
@@ -86,11 +87,13 @@ def check_same_bench(sessions: SessionSet, anyway: bool, progress: Progress) -> 
         progress(f"{', '.join(sorted(sessions.varies))}: each session has its own, as declared")
         return
     names = sessions.names
-    others = [names[index] for index in other_benches(sessions.decays)]
-    if others and not anyway:
+    far = other_benches(sessions.decays)
+    if far and not anyway:
+        first, *found = (three_figures(sessions.decays[index].frequency ** 2) for index in (0, *far))
         raise UsageProblem(
-            f"{', '.join(others)}: another bench than {names[0]}, since the stiffness per unit mass differs by more than "
-            "releases of one rig do; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
+            f"{', '.join(names[index] for index in far)}: another bench than {names[0]}, since the stiffness per unit mass "
+            f"by the force along the motion, {', '.join(found)} against {first} 1/s², differs by more than releases of one "
+            "rig do; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
             "--varies stiffness or --varies inertia; --anyway if they share their physics"
         )
 

@@ -1,5 +1,7 @@
 """Several sessions to diagnose: what was changed on purpose is declared, and another bench is refused."""
 
+import re
+
 import numpy as np
 import pytest
 from many_sessions import make_session
@@ -80,7 +82,10 @@ def test_a_session_that_holds_too_little_is_left_out_and_the_others_are_diagnose
 
 def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys):
     assert station(["diagnose", str(sessions / "a"), str(sessions / "stiff"), "--no-viewer"]) == 2
-    assert "stiff: another bench than a" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "stiff: another bench than a" in said
+    found, first = (float(text) for text in re.search(r"motion, (\S+) against (\S+) 1/s²", said).groups())
+    assert found > 1.3 * first
     both = opened(sessions, "a", "stiff")
     with pytest.raises(UsageProblem, match="--anyway"):
         check_same_bench(both, False, lambda text: None)
