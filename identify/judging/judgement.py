@@ -135,11 +135,12 @@ def _together(baseline: Baseline, ranked: tuple[Candidate, ...], several: Severa
 
 def _of_several(baseline: Baseline, ranked: tuple[Candidate, ...], found: Several) -> Judgement:
     """Name several effects, the one that is best alone first; what was not tried alone is tried now."""
-    known = {entry.name for entry in ranked}
-    terms = tuple(term for term in found.terms if term.effect.name not in known)
     if len(found.terms) == 1:
-        alone = tuple(score_candidate(found.fit, baseline.fit, term, baseline.scales) for term in terms)
+        alone = tuple(score_candidate(found.fit, baseline.fit, term, baseline.scales) for term in found.terms)
+        ranked = tuple(entry for entry in ranked if entry.name not in found.names)
     else:
+        known = {entry.name for entry in ranked}
+        terms = tuple(term for term in found.terms if term.effect.name not in known)
         alone = try_terms(baseline.decays, baseline.fit, terms)
     if alone:
         ranked = rank(baseline, (*alone, *ranked))

@@ -97,3 +97,15 @@ def test_a_line_of_one_sensor_is_named_beside_a_spring_that_wanders():
     assert found.walk is not None
     frequency = found.suspects[0].parameters["f"]
     assert frequency.value == pytest.approx(50.0, abs=5.0 * frequency.std)
+
+
+def test_one_effect_that_is_left_of_a_pair_counts_with_the_values_it_has_there():
+    """Two modes 3 % apart for half a beat: alone the second mass is implausible, and from the pair it is not."""
+    time, random = np.arange(900) / 30.0, np.random.default_rng(1)
+    u = 0.05 * np.exp(-0.008 * time) * (np.cos(4.054 * time + 0.5) + np.cos(3.938 * time - 0.5))
+    found = diagnose(
+        FreeDecay(30.0, displacement=u + 1e-4 * random.standard_normal(len(time))),
+        library=among("second_mass", "maxwell_element", "mains_hum"),
+    )
+    assert found.named == ("second_mass",)
+    assert found.suspects[0].plausible
