@@ -79,7 +79,7 @@ class DecayCurve:
         No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
         """
         level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
-        if len(self.late) < _LONG_ENOUGH or before.min() >= level:
+        if len(self.late) < _LONG_ENOUGH:
             return False
         if self.grows:
             return True

@@ -96,14 +96,12 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
 
 
 def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
-    """Say by how much two sensors differ, and whether their calibrations allow that."""
-    size = abs(mean)
-    place = "within" if size <= open_ else "far beyond" if size > _CLEAR_DROP**0.5 * open_ else "beyond"
-    whose = "that their calibrations allow" if stated else "allowed where no calibration is stated"
+    """Say by how much two sensors differ, and how sure their calibrations are: a standard uncertainty, no limit."""
+    size, whose = abs(mean), "is stated" if stated else "is assumed, for none is stated"
     digits = max(0, min(4, 1 - int(np.floor(np.log10(max(100.0 * own, 1e-4))))))
     return (
-        f"the two sensors differ by {100.0 * size:.{digits}f} ± {100.0 * own:.{digits}f} %, {place} the "
-        f"{100.0 * open_:.2g} % {whose}"
+        f"the two sensors differ by {100.0 * size:.{digits}f} ± {100.0 * own:.{digits}f} %; a standard uncertainty of "
+        f"{100.0 * open_:.2g} % of their calibrations {whose}"
     )
 
 

@@ -42,7 +42,7 @@ def value(module, name):
         (
             "fitting.corrected_faults",
             "UNSTATED_GAIN_UNCERTAINTY",
-            lambda x: f"where they say nothing, that is {100 * x:g} %",
+            lambda x: f"unstated, that is {100 * x:g} %",
         ),
         ("priors", "DOUBT", lambda x: f"the probability of none exceeds {100 * x:g} %"),
         ("priors", "DOUBT_AT_A_GUESS", lambda x: rf"${1e4 * x:g}\cdot10^{{-4}}$"),

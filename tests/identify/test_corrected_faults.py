@@ -63,9 +63,17 @@ def test_an_ordinary_gain_error_is_remarked_on_and_no_fault():
 @pytest.mark.parametrize(
     ("gain", "stated", "said"),
     [
-        (1.01, 0.0, "differ by 1.00 ± 0.40 %, within the 3 % allowed where no calibration is stated"),
-        (0.99, 0.005, "differ by 1.00 ± 0.40 %, beyond the 0.5 % that their calibrations allow"),
-        (1.2, 0.0, "differ by 20.00 ± 0.40 %, far beyond the 3 %"),
+        (
+            1.01,
+            0.0,
+            "differ by 1.00 ± 0.40 %; a standard uncertainty of 3 % of their calibrations is assumed",
+        ),
+        (
+            0.99,
+            0.005,
+            "differ by 1.00 ± 0.40 %; a standard uncertainty of 0.5 % of their calibrations is stated",
+        ),
+        (1.2, 0.0, "differ by 20.00 ± 0.40 %; a standard uncertainty of 3 %"),
     ],
 )
 def test_a_remark_on_a_gain_says_the_difference_and_what_is_left_open(gain, stated, said):

@@ -112,6 +112,10 @@ def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
     assert beating.beats
     assert not beating.driven
     assert driven.driven
+    assert curve(0.4 + 0.6 * np.exp(-0.4 * time)).driven  # falls to its limit cycle
+    assert not curve(
+        (1.0 + 90.0 * time) ** -(1.0 / 3.0)
+    ).driven  # damping of the fourth power of the velocity
 
 
 def test_amplitudes_whose_product_is_too_small_a_number_have_a_mean_all_the_same():

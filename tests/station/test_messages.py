@@ -146,7 +146,7 @@ def test_a_fault_is_told_by_its_own_words_where_it_has_some():
         found_in_sensor(found).replace(SPACE, " ")
         == "the gains of the two channels disagree (error = 0.010 ± 0.030)"
     )
-    words = "the two sensors differ by 1.00 ± 0.02 %, within the 3 % left open"
+    words = "the two sensors differ by 1.00 ± 0.02 %; a standard uncertainty of 3 % of their calibrations is assumed"
     assert found_in_sensor(found.model_copy(update={"words": words})) == words
 
 
