@@ -8,6 +8,7 @@ from identify.diagnosis.explain_prediction import (
     explain_unconfirmed,
 )
 from identify.effects.families import FAMILY_OF
+from identify.evidence import price
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
@@ -34,6 +35,9 @@ _MOST_ALTERNATIVES = 4
 _LESSER_PART = 0.5
 """Share of the misfit's power up to which a sensor's fault that is named is the lesser part of it."""
 
+_LOWERED = 2.0
+"""Standard errors by which noise may lower a strength that is there."""
+
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
 
@@ -52,7 +56,7 @@ def explain(
         small = next(s for s in suspects if s.kind == "physics" and s.plausible)
         return _sure_but_small(baseline, small, too_small)
     if verdict == "nothing_missing":
-        return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
+        return f"{_why_nothing(baseline, suspects, settled)} {_limit(baseline, suspects)}".strip()
     if verdict == "not_enough_data":
         return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
@@ -314,14 +318,17 @@ def _where(suspect: Suspect) -> str:
     return f" in the {suspect.term.channel} channel" if suspect.term.channel else ""
 
 
-def _limit(suspects: tuple[Suspect, ...]) -> str:
+def _limit(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
+    """State the strengths from which on something would have been claimed, even where noise lowers what is seen."""
     words = []
     for suspect in suspects:
         if not suspect.effect.shows_detection_limit:
             continue
         strength = suspect.parameters.get(suspect.effect.strength.name)
         if strength is not None and np.isfinite(strength.std):
-            words.append(
-                f"{plain_name(suspect.effect.name)} beyond ±{two_figures(3.0 * strength.std)} {strength.unit}"
+            needed = np.log(len(suspects) / baseline.alpha) + price(
+                baseline.fit, suspect.fit, baseline.scales
             )
+            limit = two_figures((np.sqrt(2.0 * needed) + _LOWERED) * strength.std)
+            words.append(f"{plain_name(suspect.effect.name)} beyond ±{limit} {strength.unit}")
     return f"The data would have shown {' or '.join(words)}." if words else ""

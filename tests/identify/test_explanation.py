@@ -15,6 +15,7 @@ from identify.free_decay import FreeDecay
 from mocks.generate import draw
 
 FEW = (find_effect("quadratic_damping"),)
+SPRING_AND_DRAG = (*FEW, find_effect("cubic_stiffness"), find_effect("settling_stiffness"))
 
 
 @pytest.fixture(scope="module")
@@ -155,3 +156,31 @@ def test_what_is_on_no_card_is_not_the_next_best():
     others = (suspect("dahl_friction", 1.1, plausible=False), suspect("cubic_damping", 50.5))
     words = explain._alternatives(baseline, suspect("quadratic_damping", 1.0), others)
     assert words.startswith("The next best, cubic damping, would explain 50 % of it")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_a_record_says_that_it_would_have_shown_it_shows(seed: int):
+    def told(strength: float, number: int) -> Diagnosis:
+        hidden, parameters = (
+            ("cubic_stiffness", {"cubic_stiffness": {"k3": strength}}) if strength else (None, {})
+        )
+        made = {
+            "stiffness": 600.0,
+            "mu_0": 0.1,
+            "mu_1": 0.3,
+            "noise_displacement": 3e-6,
+            "noise_acceleration": 0.01,
+        }
+        sample = draw(
+            hidden, 0.02 if hidden else 0.0, 10 * seed + number, amplitude=0.02, **made, parameters=parameters
+        )
+        return diagnose(
+            FreeDecay(sample.rate, sample.displacement, sample.acceleration), library=SPRING_AND_DRAG
+        )
+
+    nothing = told(0.0, 0)
+    assert nothing.verdict == "nothing_missing"
+    found = re.search(r"cubic stiffness beyond ±([\d.]+) ", nothing.explanation)
+    assert found
+    shown = [told(sign * float(found[1]), number).verdict for number, sign in enumerate((1.0, -1.0), 1)]
+    assert "nothing_missing" not in shown
