@@ -112,10 +112,19 @@ def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
     assert beating.beats
     assert not beating.driven
     assert driven.driven
-    assert curve(0.4 + 0.6 * np.exp(-0.4 * time)).driven  # falls to its limit cycle
-    assert not curve(
-        (1.0 + 90.0 * time) ** -(1.0 / 3.0)
-    ).driven  # damping of the fourth power of the velocity
+    assert not curve(0.4 + 0.6 * np.exp(-0.4 * time)).driven  # it may be free, and its damping fade
+    assert not curve((1.0 + 90.0 * time) ** -0.2).driven  # damping of the sixth power of the velocity
+
+
+def test_a_decay_that_ends_at_a_level_because_its_damping_fades_is_named_and_not_called_driven():
+    w, times = 2.0 * np.pi * 2.0, np.arange(0.0, 40.0, 0.01)
+    free = solve_ivp(
+        lambda t, y: (y[1], -w * w * y[0] - (np.exp(-t / 4.0) + 0.005) * y[1]),
+        (0.0, 40.0), (0.02, 0.0), t_eval=times, rtol=1e-9, atol=1e-12,
+    )  # fmt: skip
+    noise = 2e-5 * np.random.default_rng(5).standard_normal(len(times))
+    found = diagnosed(FreeDecay(100.0, free.y[0] + noise))
+    assert found.named == ("fading_damping",)
 
 
 def test_amplitudes_whose_product_is_too_small_a_number_have_a_mean_all_the_same():
