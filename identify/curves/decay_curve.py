@@ -76,8 +76,8 @@ class DecayCurve:
     def driven(self) -> bool:
         """Whether the amplitude grows, settles at a constant value, or beats about one, until the end.
 
-        No free motion does: even where it beats, its largest amplitudes fall. One that only falls to a level may be free, and
-        its damping fade. One that beats has thirds with a beat in each.
+        No free motion does: even where it beats, its largest amplitudes fall. One that only falls to a level may be free,
+        and its damping fade. One that beats has thirds with a beat in each.
         """
         level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
         if len(self.late) < _LONG_ENOUGH or before.min() >= level:
