@@ -82,8 +82,6 @@ RUN_AND_NUMBER = re.compile(
     re.I,
 )
 _UNIT_FORMS = (
-    re.compile(r"((V)_(?:[A-W]|in|out)\d?)"),  # a voltage of a circuit; V_X is a velocity
-    re.compile(r"(I\w*)_(A)"),
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),
     re.compile(r"(.*?)\s+/\s*(\S.{0,24})$", re.S),
@@ -129,7 +127,7 @@ def _split(header: str) -> tuple[str, str, Unit | None]:
     for stop in (len(parts), end):
         for size in (3, 2, 1):  # acceleration_m_s_2, acceleration_m_s2, time_s, angle_deg_raw
             text = "_".join(parts[stop - size : stop])
-            known = text != "A" and (stop == len(parts) or len(text) > 1 or text in ("g", "V"))
+            known = stop == len(parts) or len(text) > 1 or text in ("g", "V")
             if stop > size and known and (unit := parse_unit(text)):
                 return "_".join((*parts[: stop - size], *parts[stop:])), text, unit
     unit = parse_unit(header) if len(header) > 1 or header in ("m", "g", "N", "°") else None

@@ -104,18 +104,6 @@ def test_a_scale_that_is_none_is_refused(text: str) -> None:
     assert parse_scaled_unit(text) is None
 
 
-@pytest.mark.parametrize(
-    ("header", "quantity", "unit"),
-    [("V_C", None, "V"), ("V_S", None, "V"), ("V_in", None, "V"), ("I_A", None, "A"), ("mass_A", None, None),
-     ("x_A", "displacement", None), ("V_X", "velocity", None)],
-)  # fmt: skip
-def test_a_letter_behind_a_name_is_no_unit_where_it_is_a_place(
-    header: str, quantity: str | None, unit: str | None
-) -> None:
-    found = meaning(header)
-    assert (found.quantity, found.unit.si if found.unit else None) == (quantity, unit)
-
-
 @pytest.mark.parametrize("letter", ["θ", "φ", "theta", "phi", "psi"])
 def test_a_greek_letter_is_an_angle_as_its_name_is(letter: str) -> None:
     assert meaning(letter).angular
