@@ -154,8 +154,8 @@ def remove_effect(step: Step, name: str) -> Step:
     return replace(step_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 
-def share_explained(step: Step, without: Step) -> float | None:
-    """Return the share, 0 to 1, of the misfit without an effect that the effect explains; None where it is needed.
+def needless_share(step: Step, without: Step) -> float | None:
+    """Return the share, 0 to 1, of the misfit without a needless effect that it explains; None where it is needed.
 
     An effect is needed where chi-square rises by more without it than chance lets any effect lower it.
     """

@@ -11,7 +11,7 @@ from identify.diagnosis.ladder import (
     add_effect,
     first_step,
     remove_effect,
-    share_explained,
+    needless_share,
     without_needless_effects,
 )
 from identify.effects.effect import Effect
@@ -208,7 +208,7 @@ def _extended(refinement: Refinement, new: tuple[KeptStep, ...], why: str) -> Ke
 
 def _added(step: Step, name: str, before: Step) -> str:
     """Say how much of the residual an added effect explains."""
-    share = share_explained(step, before)
+    share = needless_share(step, before)
     if share is None:
         return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)

@@ -6,7 +6,7 @@ from releases import CALIBRATED, drawn
 from scipy import stats
 from test_fit import fitted
 
-from identify.diagnosis.ladder import add_effect, first_step, share_explained
+from identify.diagnosis.ladder import add_effect, first_step, needless_share
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
@@ -159,4 +159,4 @@ def test_naming_lost_readings_is_needed_though_every_fit_leaves_them_out():
     before = first_step(prepared)
     named = add_effect(before, find_effect("dropouts"))
     assert named.error.chi_square < 0.5 * before.error.chi_square
-    assert share_explained(named, before) is None
+    assert needless_share(named, before) is None
