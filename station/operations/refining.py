@@ -10,8 +10,8 @@ from identify.diagnosis.ladder import (
     Step,
     add_effect,
     first_step,
-    remove_effect,
     needless_share,
+    remove_effect,
     without_needless_effects,
 )
 from identify.effects.effect import Effect
