@@ -117,7 +117,9 @@ def _right(hidden: str | None, verdict: str, named: set[str]) -> bool:
 def run(quick: bool) -> str:
     """Return the tables as markdown; says so where the recordings are not there."""
     if not DATA.is_dir():
-        return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
+        raise FileNotFoundError(
+            "the recordings are not here (../shared/data, or the folder named by STATION_DATA)"
+        )
     lines = [
         "| recording | expected | verdict | motion error, % |",
         "|---|---|---|---|",

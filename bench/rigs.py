@@ -188,7 +188,9 @@ def _better(pairs: list[Pair]) -> int:
 def run(quick: bool) -> str:
     """Return the table as markdown; says so where the recordings are not there."""
     if not DATA.is_dir():
-        return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
+        raise FileNotFoundError(
+            "the recordings are not here (../shared/data, or the folder named by STATION_DATA)"
+        )
     only = os.environ.get("RIGS", "")
     rows, silent, counts = list[str](), list[str](), Counter[str]()
     pairs: list[Pair] = []

@@ -32,6 +32,7 @@ _MOST_OF_IT = 0.5
 NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
     "named": "The evidence suffices for a name",
+    "would name": "This evidence alone would suffice for a name",
     "nothing": "No law of the library is better than a random walk",
     "no name": "No effect is named: the evidence does not single one out",
     "may drift": "No effect is named: a law of time is not distinguished from one of the amplitude",
@@ -74,7 +75,8 @@ def told(document: DiagnosisDocument, weighing: Weighing, *, full: bool = False)
     brief += [] if named or full or not first else [Paragraph(first + stop.strip())]
     said.append(("caution", typeset(document.caution)))
     brief += facts((*said, *record, ("not shared", _not_shared(document)), *sensor[:1]))
-    more: list[Part] = [Paragraph(typeset(document.explanation)), *map(evidence, document.decided)]
+    more: list[Part] = [Paragraph(typeset(document.explanation))]
+    more += [evidence(one, stands=named) for one in document.decided]
     more += predictions(document)
     more += shares_tables(document.shares)
     rest = following if named else []
@@ -128,8 +130,11 @@ def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     return "less likely" if found.effects else "no"
 
 
-def evidence(decided: DecidedDocument) -> Table:
-    """Make the table of what was weighed, and how far each is behind the first (nats); the caption says what was decided."""
+def evidence(decided: DecidedDocument, *, stands: bool) -> Table:
+    """Make the table of what was weighed, and how far each is behind the first (nats); the caption says what was decided.
+
+    It `stands` if the verdict names anything: the evidence of one of several effects, or of one curve, may not do.
+    """
     weighed = {plain_name(name): nats for name, nats in decided.nats.items()} | {NO_NAME: decided.unnamed}
     ranked = sorted(
         ((name, nats) for name, nats in weighed.items() if nats is not None), key=lambda one: -one[1]
@@ -142,7 +147,8 @@ def evidence(decided: DecidedDocument) -> Table:
         rows.append((BESIDE, three_figures(decided.beside), ""))
     of = f" of {plain_name(*decided.nats)}" if len(decided.nats) == 1 else ""
     of = f" in the curve of {decided.explains}" if decided.explains else of
-    caption = f"Evidence{of} beyond a random walk, in nats (natural log odds). {DECIDED[decided.verdict]}"
+    word = "would name" if decided.verdict == "named" and not stands else decided.verdict
+    caption = f"Evidence{of} beyond a random walk, in nats (natural log odds). {DECIDED[word]}"
     return Table(caption, ("law", "nats", "nats behind the first"), tuple(rows))
 
 

@@ -19,7 +19,12 @@ from identify.judging.verdict import headline_of
 from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
-from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, refused_document
+from station.results.diagnosis_document import (
+    DecidedDocument,
+    DiagnosisDocument,
+    ShapeDocument,
+    refused_document,
+)
 from station.story.engineering_values import UNKNOWN
 from station.text.diagnosis_text import next_command, predictions, residuals, told
 from station.text.layout import show
@@ -175,6 +180,19 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     assert [row[:2] for row in parts.rows] == [
         ("first", "5.00"), ("second", "6.00"), ("third", "10.0"), ("all, rms", "7.33")
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("effects", [True, False])
+def test_evidence_that_alone_would_do_is_not_said_to_suffice_where_the_verdict_names_nothing(
+    effects: bool,
+) -> None:
+    nats = {"cubic_stiffness": 12.0}
+    weighed = DecidedDocument(
+        verdict="named", explains="", nats=nats, names=["cubic_stiffness"], unnamed=1.0, beside=0.0
+    )
+    said = told(document(confirmation(effects=effects)).model_copy(update={"decided": [weighed]}), UNKNOWN)
+    (caption,) = (part.caption for part in said.more if getattr(part, "head", ("",))[0] == "law")
+    assert caption.endswith("suffices for a name") == effects
 
 
 def test_the_report_has_a_table_of_what_was_predicted():
