@@ -162,8 +162,11 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
             continue
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
-        bare = line.lstrip().lstrip("".join(COMMENTS)).strip() if is_comment(line) else line
-        above.append([c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)])
+        cells = _header_cells(line, dialect.delimiter, width)
+        named = len(cells) == width and not cells[0].strip("".join(COMMENTS))  # "#", above the rows' numbers
+        if is_comment(line) and not named:
+            cells = _header_cells(line.lstrip().lstrip("".join(COMMENTS)).strip(), dialect.delimiter, width)
+        above.append([c.strip().strip('"').strip() for c in cells])
     fitting = [cells for cells in above if _fits(cells, width)]
     units = [cells for cells in fitting if _is_unit_row(cells)]
     names = [cells for cells in fitting if cells not in units]

@@ -96,6 +96,16 @@ def test_a_column_that_counts_rows_is_not_offered_as_the_motion(tmp_path: Path) 
     assert "whether column 3 'val' is" in said
 
 
+@pytest.mark.parametrize("delimiter", ["\t", ",", "  "])
+def test_a_hash_above_the_numbers_of_the_rows_is_a_name_and_no_remark(tmp_path: Path, delimiter: str) -> None:
+    t, x, _, _ = swing()
+    header = delimiter.join(["#", "time(s)", "position(mm)", "remark"])
+    text = table(header, 1.0 + 3.0 * np.arange(len(t)), t, 1e3 * x, 0.0 * x, delimiter=delimiter)
+    recording = load(tmp_path, text)
+    assert [c.name for c in recording.channels] == ["position(mm)"]
+    assert recording.rate == pytest.approx(RATE)
+
+
 def test_names_between_commas_stand_above_columns_between_tabs(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     recording = load(tmp_path, table("time (s),x (mm)", t, x, delimiter="\t"))
