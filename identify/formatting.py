@@ -163,6 +163,11 @@ def plain_name(name: str) -> str:
     return " ".join(_PROPER.get(word, word) for word in name.split("_"))
 
 
+def sentence_case(words: str) -> str:
+    """Begin some words with a capital, and leave the others as they are: names of persons keep theirs."""
+    return words[:1].upper() + words[1:]
+
+
 def among(names: Sequence[str], word: str = "and") -> str:
     """Return names as they are listed in a sentence."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"

@@ -23,11 +23,11 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import ModelError, errors_of, may_hide_anything
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
-from identify.formatting import plain_name, quantities
+from identify.formatting import plain_name, quantities, sentence_case
 from identify.free_decay import FreeDecay
 from identify.judging.judgement import judge, large_enough, listed_suspects
 from identify.judging.nonparametric_force import NonparametricForce
-from identify.judging.ranking import rank
+from identify.judging.ranking import rank, with_laws_between
 from identify.judging.releases_differ import (
     ReleaseValue,
     carried,
@@ -215,7 +215,7 @@ class Diagnosis(Summarised):
             (
                 self.explanation,
                 *(
-                    f"{plain_name(one.effect.name).capitalize()}: {', '.join(quantities(one.parameters))}."
+                    f"{sentence_case(plain_name(one.effect.name))}: {', '.join(quantities(one.parameters))}."
                     for one in self.named_suspects
                     if one.strength_known
                 ),
@@ -328,10 +328,10 @@ def _searched(
     curves = _curves(baseline, whole, library)
     fitted = _worth_a_fit(baseline, library, curves)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
-    ranked = rank(baseline, tried)
+    ranked = with_laws_between(baseline, rank(baseline, tried))
     again = on_second_thought(first, baseline, ranked)
     if again is not baseline:
-        baseline, ranked = again, rank(again, singles(again, fitted))
+        baseline, ranked = again, with_laws_between(again, rank(again, singles(again, fitted)))
         curves = _curves(baseline, whole, library)
     progress("judging whether one effect explains it, or several together")
     judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, curves)

@@ -19,6 +19,7 @@ from identify.formatting import (
     plain_name,
     quantities,
     quantity,
+    sentence_case,
     share_words,
     three_figures,
     two_figures,
@@ -74,7 +75,7 @@ def explain(
         return _corrected(baseline, top)
     first = _named(baseline, top, judgement, settled)
     others = tuple(s for s in suspects[1:] if s.effect.name not in together)
-    second = f"{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
+    second = f"{_between(top)}{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
     if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
@@ -89,7 +90,7 @@ def explain(
 
 def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
     """Explain that an effect is sure but smaller than the limit for a name, with the residual without it."""
-    name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
+    name, left = sentence_case(plain_name(top.effect.name)), three_figures(motion_percent(baseline.fit))
     return (
         f"{name} is significant, but it removes only {three_figures(removed)} % of the motion, too little to name it. "
         f"Without it the model leaves {left} % of the motion ({_times_the_noise(baseline.reduced(baseline.fit))})."
@@ -189,20 +190,20 @@ def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, set
 
 
 def _between(top: Suspect) -> str:
-    """Compare a law of a family with the nearest named effect."""
-    family = FAMILY_OF[top.effect]
+    """Compare a law of a family with the nearest named effect; "" for any other effect."""
+    family = FAMILY_OF.get(top.effect)
+    if family is None:
+        return ""
     exponent = top.parameters[family.free]
     nearest = family.nearest(exponent.value)
     return (
-        f"No named effect reaches the floor; this law behaves like {plain_name(nearest)} ({family.free} = "
-        f"{family.members[nearest]:g}), with {family.free} = {quantity(exponent)}."
+        f"It behaves like {plain_name(nearest)} ({family.free} = {family.members[nearest]:g}), with {family.free} = "
+        f"{quantity(exponent)}. "
     )
 
 
 def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
     """Say which other effects would explain the record, those that are as good first."""
-    if top.effect in FAMILY_OF:
-        return _between(top)
     if top.rivals:
         return f"This record does not distinguish it from {among([plain_name(name) for name in top.rivals], 'or')}."
     tried = [s for s in others if s.corrected is None]
@@ -253,10 +254,12 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
         (s for s in tried if share_explained(before, s.error_after) > _MOST_OF_IT),
         key=lambda s: s.error_after,
     )
-    rest = "No effect explains the rest"
     shown = most or [best]
+    rest = "None of these" if len(shown) > 1 else "It"
     if baseline.adequate(shown[0].fit):
-        rest = "None of these is confirmed" if len(shown) > 1 else "It is not confirmed"
+        rest += " is confirmed" if len(shown) > 1 else " is not confirmed"
+    else:
+        rest += " reaches the noise" if len(shown) > 1 else " does not reach the noise"
     leaves = _each_leaves(baseline, shown)
     return f"Something is missing: the model leaves {whole}. {leaves}; {floor}. {rest}."
 
@@ -270,7 +273,7 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
         listed.append(f"{more} other{'s' if more > 1 else ''} nearly as little")
     others = f", {among(listed)}" if listed else ""
     left = _left(baseline, first.fit, first.error_after)
-    return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"
+    return f"{sentence_case(plain_name(first.effect.name))} would leave {left}{others}"
 
 
 def _unknown(
@@ -287,8 +290,8 @@ def _unknown(
     by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
     if by_curves and judgement.confirmation is None:
         first += (
-            " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
-            "confirmed: diagnose it together with another release."
+            " In fewer than about twelve cycles the large amplitudes of one record cannot predict its small ones, so no "
+            "name is confirmed: diagnose it together with another release."
         )
     if best is not None and baseline.adequate(best.fit):
         return first

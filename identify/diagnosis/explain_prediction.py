@@ -5,7 +5,15 @@ import numpy as np
 from identify.curves.confirmation import Confirmation
 from identify.curves.decay_curve import DecayCurve
 from identify.fitting.misfit_errors import is_clear
-from identify.formatting import among, odds_words, plain_name, quantities, share_words, three_figures
+from identify.formatting import (
+    among,
+    odds_words,
+    plain_name,
+    quantities,
+    sentence_case,
+    share_words,
+    three_figures,
+)
 from identify.judging.suspect import Suspect
 from identify.residual import share_explained
 
@@ -59,7 +67,7 @@ def _not_sure(leading: Suspect, before: float) -> str:
     share = share_explained(before, leading.error_after)
     if leading.kind != "physics" or not leading.claimed or share < _NEARLY_ALL or strength is None:
         return ""
-    would = f"{plain_name(leading.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves"
+    would = f"{sentence_case(plain_name(leading.effect.name))} would explain {share_words(share)} of what the model leaves"
     if not is_clear(leading.fit, leading.term):
         return f"{would}, but its strength, {quantities({name: strength})[0]}, may be zero."
     return f"{would}; {_among(leading.rivals, 'or')} would do as well." if leading.rivals else ""

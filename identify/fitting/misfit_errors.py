@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
+from identify.effects.families import FAMILY_OF
 from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
 from identify.model.simulate import Response
@@ -307,13 +308,16 @@ def is_clear(whole: Fit, term: Term) -> bool:
     """Check whether the strength of an effect differs from zero by some errors of the actual misfit.
 
     Of one that beats with the motion, and did not begin at rest, only the product of strength and states shows: the states
-    are held. Farther off, such a line is another mode unless the strength itself is clear.
+    are held. Farther off, such a line is another mode unless the strength itself is clear. The free constant of a family's
+    law is held, as its members hold it: the nearer the law is to a spring or a damper, the less its strength shows alone.
     """
-    effect, states = term.force, list[str]()
+    effect, held = term.force, list[str]()
     values = np.array([estimate.value for estimate in whole.of(term, 0).values()])
     if effect.beats_with is not None and effect.beats_with(values, whole.frequency):
-        states = [u.name for u in whole.unknowns if u.id.role == "state" and u.id.effect == effect.name]
-    if states:
-        whole = fit(whole.model, whole.windows, whole.point, whole.frequency, near=True, held=states)
-    strength = with_misfit_errors(whole, states).values[str(term.strength)]
+        held = [u.name for u in whole.unknowns if u.id.role == "state" and u.id.effect == effect.name]
+    if effect in FAMILY_OF:
+        held.append(str(term.parameter(FAMILY_OF[effect].free)))
+    if held:
+        whole = fit(whole.model, whole.windows, whole.point, whole.frequency, near=True, held=held)
+    strength = with_misfit_errors(whole, held).values[str(term.strength)]
     return bool(np.isfinite(strength.std) and abs(strength.value) > CLEAR * strength.std)

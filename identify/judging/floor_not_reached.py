@@ -148,10 +148,11 @@ def _by_free_run(
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
     distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm, if it is as good. A line follows any motion for a while; no implausible effect
-    may leave less.
+    leave as much as what the curves confirm, if it is as good. A line follows any motion for a while; no plausible one may
+    leave less.
     """
-    best = min(ranked, key=lambda entry: entry.fit.chi_square, default=None)
+    plausible = (entry for entry in ranked if entry.plausible)
+    best = min(plausible, key=lambda entry: entry.fit.chi_square, default=None)
     if best is None or not _is_steady_force(best):
         return None
     much = baseline.fit.chi_square

@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.families import FAMILY_OF
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
-from identify.judging.suspects import Candidate
+from identify.judging.suspects import BEHIND, Candidate, laws_of_families
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import CLEAR, RIVALS_WITHIN
@@ -40,6 +41,32 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     sure = nothing([one.evidence for one in weighed]) < baseline.alpha
     ranked = (replace(one, claimed=sure and one.evidence > -np.log(baseline.alpha)) for one in weighed)
     return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+
+
+def with_laws_between(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Try the laws of the families of claimed effects, and add those that are better than all of their members.
+
+    Such a law is less probable than one of the library, by the odds at which two are distinguishable. Where an effect
+    reaches the floor, families of those that leave much more are not tried.
+    """
+    claimed = [one for one in ranked if one.claimed]
+    reach = [one.fit.chi_square for one in claimed if one.plausible and baseline.adequate(one.fit)]
+    most = BEHIND * min(reach, default=np.inf)
+    laws = laws_of_families(baseline, [one.name for one in claimed if one.fit.chi_square < most])
+    if not laws:
+        return ranked
+    every = [
+        replace(one, evidence=one.evidence - RIVALS_WITHIN) if one.term.effect in FAMILY_OF else one
+        for one in rank(baseline, (*ranked, *laws))
+    ]
+    nats = {one.name: one.evidence for one in every}
+    beaten = {
+        effect.name
+        for effect, family in FAMILY_OF.items()
+        for member in family.members
+        if nats.get(effect.name, 0.0) < nats.get(member, -np.inf)
+    }
+    return tuple(sorted((one for one in every if one.name not in beaten), key=_order))
 
 
 def weigh_candidate(baseline: Baseline, without: Fit, candidate: Candidate, unit: float) -> Candidate:

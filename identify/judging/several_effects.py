@@ -1,4 +1,4 @@
-"""Several effects at once, where none reaches the floor alone: a law between the names, two effects, or three.
+"""Several effects at once, where none reaches the floor alone: two, or three.
 
 What does not reach the floor on a few releases does not reach it on all, and each trial costs less there. So of many
 releases two are searched, on a few cycles, and the result is judged on all.
@@ -24,7 +24,6 @@ from identify.judging.suspects import (
     candidate_terms,
     is_plausible,
     is_predicted,
-    laws_of_families,
     score_candidate,
     try_terms,
 )
@@ -110,18 +109,11 @@ def several_effects(
 ) -> Several | None:
     """Find the effects that together explain some releases; None where none do. `tried` are single ones, best first.
 
-    On a few of the releases and on all of them they must reach the floor, with plausible values. A floor that is a guess
-    allows a law with a free exponent where two effects are more probable: there both are weighed.
+    On a few of the releases and on all of them they must reach the floor, with plausible values.
     """
     few = FewReleases.of(baseline)
-    law: Several | None = None
-    for whole in _that_explain(few, baseline, _in_order(few, tried, library)):
-        if len(whole.terms) > 1 or baseline.floor_is_sure:
-            sets = (whole,) if law is None else (law, whole)
-            best = max(sets, key=lambda one: evidence(baseline.fit, one.fit, baseline.scales))
-            return _with_places(baseline, best, library)
-        law = law or whole
-    return law
+    found = next(_that_explain(few, baseline, _in_order(few, tried, library)), None)
+    return None if found is None else _with_places(baseline, found, library)
 
 
 def pair_instead(
@@ -200,16 +192,13 @@ def _place(baseline: Baseline, found: Fit, term: Term, library: tuple[Effect, ..
 def _in_order(
     few: FewReleases, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[Several]:
-    """Yield the sets to judge, fitted to a few releases: a law of a family, two effects, or three.
+    """Yield the sets to judge, fitted to a few releases: two effects, or three.
 
     Forces that explain most together, by equation error, come before what goes with the best single candidates, faults of
     sensors among it. One channel is differentiated twice for the equation error, which then misses pairs: there the
     simplest ones come first.
     """
     baseline = few.baseline
-    goal = baseline.highest * baseline.fit.degrees
-    for law in laws_of_families(baseline, [candidate.name for candidate in tried], goal):
-        yield Several(law.fit, (law.term,))
     if not baseline.decays[0].window.paired:
         yield from _simple_pairs(few, tried, library)
     largest = baseline.largest

@@ -20,7 +20,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import CLEAR, SAME
 
 _LEADERS = 3
-_BEHIND = 2.0
+BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
 
@@ -115,7 +115,7 @@ def try_terms(
     enough = goal or 0.0
     for done, beginning in enumerate(begun, len(terms) + 1):
         if goal is None and len({c.name for c in tried}) == _LEADERS:
-            enough = _BEHIND * min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
+            enough = BEHIND * min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
         start = dict(zip((u.name for u in beginning.problem.unknowns), beginning.theta.tolist(), strict=True))
         close = beginning.cost <= base.chi_square
         model = beginning.problem.model
@@ -129,17 +129,12 @@ def try_terms(
     return tuple(sorted(best.values(), key=lambda candidate: -candidate.evidence))
 
 
-def laws_of_families(
-    baseline: Baseline, members: Collection[str], goal: float | None = None
-) -> tuple[Candidate, ...]:
-    """Refit the model with the law of each family of which one of some effects is a member, best first.
-
-    Where only a `goal` of chi-square counts, a fit that creeps towards it is left.
-    """
+def laws_of_families(baseline: Baseline, members: Collection[str]) -> tuple[Candidate, ...]:
+    """Refit the model with the law of each family of which one of some effects is a member, best first."""
     scales = scales_of(baseline.decays[0], {})
     families = (family for family in FAMILIES if not family.members.keys().isdisjoint(members))
     terms = tuple(Term(family.effect, family.held(scales)) for family in families)
-    return try_terms(baseline.decays, baseline.fit, terms, goal=goal)
+    return try_terms(baseline.decays, baseline.fit, terms)
 
 
 def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
