@@ -148,8 +148,8 @@ def _by_free_run(
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
     distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm, if it is as good. A line follows any motion for a while; no plausible one may
-    leave less.
+    leave as much as what the curves confirm, if it is as good. A line, or an oscillator, follows any motion for a while; no
+    plausible one may leave less.
     """
     plausible = (entry for entry in ranked if entry.plausible)
     best = min(plausible, key=lambda entry: entry.fit.chi_square, default=None)
@@ -158,7 +158,7 @@ def _by_free_run(
     much = baseline.fit.chi_square
     if beats and best.term.force.proportional and best.fit.chi_square < _LINE_LEAVES * much:
         return _singled_out(baseline, best, (), ranked, found)
-    if baseline.floor_is_sure:
+    if baseline.floor_is_sure or best.term.force.proportional:
         return None
     alike = _as_good(best, ranked)
     gravity = (e for e in ranked if _is_steady_force(e) and is_predicted(e))
