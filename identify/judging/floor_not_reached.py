@@ -148,28 +148,29 @@ def _by_free_run(
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
     distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm, if it is as good. A line, or an oscillator, follows any motion for a while; no
-    plausible one may leave less.
+    leave as much as what the curves confirm, if it is as good. A line, or an oscillator, follows any motion for a while: it
+    has no name where nothing beats, and keeps none from a force.
     """
-    plausible = (entry for entry in ranked if entry.plausible)
-    best = min(plausible, key=lambda entry: entry.fit.chi_square, default=None)
-    if best is None or not _is_steady_force(best):
+    much, forces = baseline.fit.chi_square, sorted(filter(_is_steady_force, ranked), key=_left)
+    if beats and forces[:1] and forces[0].term.force.proportional and _left(forces[0]) < _LINE_LEAVES * much:
+        return _singled_out(baseline, forces[0], (), ranked, found)
+    laws = [e for e in forces if not e.term.force.proportional]
+    if baseline.floor_is_sure or not laws:
         return None
-    much = baseline.fit.chi_square
-    if beats and best.term.force.proportional and best.fit.chi_square < _LINE_LEAVES * much:
-        return _singled_out(baseline, best, (), ranked, found)
-    if baseline.floor_is_sure or best.term.force.proportional:
-        return None
-    alike = _as_good(best, ranked)
-    gravity = (e for e in ranked if _is_steady_force(e) and is_predicted(e))
+    alike = _as_good(laws[0], ranked)
+    gravity = (e for e in laws if is_predicted(e))
     shares = ((e, LEAVES**2 if e in alike else NEXT_TO_NOTHING) for e in gravity)
-    leader = next((e for e, share in shares if e.fit.chi_square < share * much), None)
+    leader = next((e for e, share in shares if _left(e) < share * much), None)
     if leader is None and not any(e.term.effect.of_time for e in alike):
-        reach = (e for e in alike if e.fit.chi_square < NEXT_TO_NOTHING * much)
+        reach = (e for e in laws if e in alike and _left(e) < NEXT_TO_NOTHING * much)
         leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
     if leader is None or not is_clear(leader.fit, leader.term):
         return None
     return _singled_out(baseline, leader, alike, ranked, found)
+
+
+def _left(entry: Candidate) -> float:
+    return entry.fit.chi_square
 
 
 def _singled_out(
