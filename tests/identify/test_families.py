@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from releases import drawn
+from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 from identify.diagnosis.diagnose import diagnose
@@ -10,6 +11,7 @@ from identify.effects.families import BOUC_WEN, FAMILIES, LUGRE, POWER_LAW_DAMPI
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import scales_of
+from identify.free_decay import FreeDecay
 from identify.judging.suspects import laws_of_families, try_terms
 from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
@@ -92,6 +94,30 @@ def test_a_softening_law_between_the_names_is_told_as_one_law_and_no_pair_is_mad
     assert found.named == ("power_law_stiffness",)
     p = found.final.values["power_law_stiffness.p"]
     assert abs(p.value - truth["parameters"]["p"]) < 4.0 * p.std  # 1 in 16000 by chance
+
+
+RIVALS = ("quadratic_damping", "cubic_damping", "fading_damping", "fading_friction", "cubic_stiffness",
+          "signed_quadratic_stiffness", "settling_stiffness", "end_stop")  # fmt: skip
+
+
+@pytest.mark.parametrize(("law", "seed"), [("power_law_damping", 5), ("power_law_stiffness", 3)])
+def test_a_power_between_the_names_is_no_member_and_no_law_of_time_though_the_noise_is_a_guess(law, seed):
+    """A force that grows with the power 1.5 of speed or displacement: drag between laminar and turbulent flow, a contact."""
+    w, start, p = 8.2, 0.03, 1.5
+
+    def rates(_, y):
+        u, v = y
+        drag = 0.12 * w * start * abs(v / (w * start)) ** p * np.sign(v) if law == "power_law_damping" else 0.0
+        spring = 0.03 * w**2 * start * abs(u / start) ** p * np.sign(u) if law == "power_law_stiffness" else 0.0
+        return [v, -(w**2) * u - 0.02 * v - drag - spring]
+
+    time = np.arange(2500) / 100.0
+    run = solve_ivp(rates, (0.0, time[-1]), [start, 0.0], t_eval=time, rtol=1e-9, atol=1e-12)
+    noise = 2e-5 * np.random.default_rng(seed).standard_normal(len(time))
+    found = diagnose(FreeDecay(100.0, run.y[0] + noise), library=tuple(map(find_effect, RIVALS)))
+    assert (found.baseline.floor_is_sure, found.named) == (False, (law,))
+    exponent = found.final.values[f"{law}.p"]
+    assert abs(exponent.value - p) < 4.0 * exponent.std  # 1 in 16000 by chance
 
 
 def test_a_law_of_a_family_begins_at_its_members():

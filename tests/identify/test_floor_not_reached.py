@@ -61,6 +61,27 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
     assert not is_predicted(Candidate(cubic.model.terms[-1], cubic, 0.0, plausible=True))
 
 
+FOLLOWERS = among(
+    "mains_hum", "harmonic_forcing", "second_mass", "pendulum_stiffness", "settling_stiffness", "cubic_stiffness"
+)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4])
+def test_what_follows_any_motion_for_a_while_keeps_no_name_from_a_pendulum(seed: int):
+    """Eight cycles from 1.5 rad with drag, filmed: a free second mass, or a line, leaves less than the sine alone."""
+    time = np.arange(217) / 15.0
+    run = solve_ivp(
+        lambda t, y: [y[1], -13.25 * np.sin(y[0]) - 0.1 * y[1] - 0.03 * y[1] * abs(y[1])],
+        (0.0, time[-1]), [1.5, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
+    )  # fmt: skip
+    noise = np.random.default_rng(seed).standard_normal((2, len(time)))
+    tracked = run.y[0] + 2e-3 * noise[0] + 3e-3 * lfilter([1.0], [1.0, -0.8], noise[1])
+    found = diagnose(FreeDecay(15.0, tracked, unit="rad"), library=FOLLOWERS)
+    assert found.named == ("pendulum_stiffness",)
+    left = {one.effect.name: one.fit.chi_square for one in found.suspects}
+    assert min(left["second_mass"], left["harmonic_forcing"]) < left["pendulum_stiffness"]
+
+
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():
     """A card disc on a spring: drag is there, and besides a frequency that one release does not part from a drift."""
     position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[::4, 1]
