@@ -107,8 +107,12 @@ def test_a_power_between_the_names_is_no_member_and_no_law_of_time_though_the_no
 
     def rates(_, y):
         u, v = y
-        drag = 0.12 * w * start * abs(v / (w * start)) ** p * np.sign(v) if law == "power_law_damping" else 0.0
-        spring = 0.03 * w**2 * start * abs(u / start) ** p * np.sign(u) if law == "power_law_stiffness" else 0.0
+        drag = (
+            0.12 * w * start * abs(v / (w * start)) ** p * np.sign(v) if law == "power_law_damping" else 0.0
+        )
+        spring = (
+            0.03 * w**2 * start * abs(u / start) ** p * np.sign(u) if law == "power_law_stiffness" else 0.0
+        )
         return [v, -(w**2) * u - 0.02 * v - drag - spring]
 
     time = np.arange(2500) / 100.0

@@ -62,7 +62,12 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
 
 
 FOLLOWERS = among(
-    "mains_hum", "harmonic_forcing", "second_mass", "pendulum_stiffness", "settling_stiffness", "cubic_stiffness"
+    "mains_hum",
+    "harmonic_forcing",
+    "second_mass",
+    "pendulum_stiffness",
+    "settling_stiffness",
+    "cubic_stiffness",
 )
 
 
