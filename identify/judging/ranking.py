@@ -3,7 +3,7 @@
 Evidence at rest: a hum is there before the release, a force that shakes the mass is not seen while it is held.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,7 +40,7 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     weighed = [weigh_candidate(baseline, baseline.fit, candidate, unit) for candidate in tried]
     sure = nothing([one.evidence for one in weighed]) < baseline.alpha
     ranked = (replace(one, claimed=sure and one.evidence > -np.log(baseline.alpha)) for one in weighed)
-    return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+    return _in_order(ranked)
 
 
 def with_laws_between(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
@@ -52,21 +52,21 @@ def with_laws_between(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tupl
     claimed = [one for one in ranked if one.claimed]
     reach = [one.fit.chi_square for one in claimed if one.plausible and baseline.adequate(one.fit)]
     most = BEHIND * min(reach, default=np.inf)
+    nats = {one.name: one.evidence for one in ranked}
+
+    def is_better(law: Candidate) -> bool:
+        own = weigh_candidate(baseline, baseline.fit, law, ranked[0].unit).evidence - RIVALS_WITHIN
+        return all(own > nats.get(member, -np.inf) for member in FAMILY_OF[law.term.effect].members)
+
     laws = laws_of_families(baseline, [one.name for one in claimed if one.fit.chi_square < most])
-    if not laws:
+    better = tuple(filter(is_better, laws))
+    if not better:
         return ranked
-    every = [
+    rarer = (
         replace(one, evidence=one.evidence - RIVALS_WITHIN) if one.term.effect in FAMILY_OF else one
-        for one in rank(baseline, (*ranked, *laws))
-    ]
-    nats = {one.name: one.evidence for one in every}
-    beaten = {
-        effect.name
-        for effect, family in FAMILY_OF.items()
-        for member in family.members
-        if nats.get(effect.name, 0.0) < nats.get(member, -np.inf)
-    }
-    return tuple(sorted((one for one in every if one.name not in beaten), key=_order))
+        for one in rank(baseline, (*ranked, *better))
+    )
+    return _in_order(rarer)
 
 
 def weigh_candidate(baseline: Baseline, without: Fit, candidate: Candidate, unit: float) -> Candidate:
@@ -77,11 +77,12 @@ def weigh_candidate(baseline: Baseline, without: Fit, candidate: Candidate, unit
     )
 
 
-def _line_of_sensor_first(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Put a sensor's line before a force where this record does not distinguish the two.
+def _in_order(entries: Iterable[Candidate]) -> tuple[Candidate, ...]:
+    """Sort candidates; a sensor's line goes before a force where this record does not distinguish the two.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
     """
+    ranked = tuple(sorted(entries, key=_order))
     names = rivals_of(ranked[0], ranked) if ranked and ranked[0].term.is_force else ()
     lines = (e for e in ranked if e.term.effect.line and not e.term.is_force)
     hum = next((line for line in lines if line.plausible and line.name in names), None)

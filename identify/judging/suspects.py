@@ -130,10 +130,10 @@ def try_terms(
 
 
 def laws_of_families(baseline: Baseline, members: Collection[str]) -> tuple[Candidate, ...]:
-    """Refit the model with the law of each family of which one of some effects is a member, best first."""
-    scales = scales_of(baseline.decays[0], {})
+    """Refit the model with the law that it lacks of each family of which one of some effects is a member, best first."""
+    scales, model = scales_of(baseline.decays[0], {}), baseline.fit.model
     families = (family for family in FAMILIES if not family.members.keys().isdisjoint(members))
-    terms = tuple(Term(family.effect, family.held(scales)) for family in families)
+    terms = tuple(Term(f.effect, f.held(scales)) for f in families if f.effect.name not in model)
     return try_terms(baseline.decays, baseline.fit, terms)
 
 

@@ -132,3 +132,5 @@ def test_a_law_of_a_family_begins_at_its_members():
     law = laws_of_families(baseline, [members[0].name])[0]
     assert law.fit.chi_square <= members[0].fit.chi_square + 0.1  # one more number cannot leave more
     assert law.fit.values["power_law_stiffness.p"].value == pytest.approx(3.0, abs=0.1)
+    with_law = fit_baseline((prepared,), law.fit.model, law.fit.point)
+    assert laws_of_families(with_law, [members[0].name]) == ()  # it is in the model already
