@@ -19,6 +19,7 @@ import numpy as np
 from identify.curves.confirm import Curves
 from identify.curves.confirmation import Confirmation
 from identify.effects.effect import Effect
+from identify.effects.families import FAMILY_OF
 from identify.evidence import complexity, evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.common_lines import may_be_hum
@@ -148,13 +149,13 @@ def _by_free_run(
     Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
     distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm, if it is as good. A line, or an oscillator, follows any motion for a while: it
-    has no name where nothing beats, and keeps none from a force.
+    leave as much as what the curves confirm, if it is as good. A line, an oscillator, or a law with a free exponent follows
+    any motion for a while: it has no name where nothing beats, and keeps none from a force.
     """
     much, forces = baseline.fit.chi_square, sorted(filter(_is_steady_force, ranked), key=_left)
     if beats and forces[:1] and forces[0].term.force.proportional and _left(forces[0]) < _LINE_LEAVES * much:
         return _singled_out(baseline, forces[0], (), ranked, found)
-    laws = [e for e in forces if not e.term.force.proportional]
+    laws = [e for e in forces if not e.term.force.proportional and e.term.effect not in FAMILY_OF]
     if baseline.floor_is_sure or not laws:
         return None
     alike = _as_good(laws[0], ranked)

@@ -97,6 +97,8 @@ def _judged(
             kept = _together(baseline, alone.ranked, pair_instead(baseline, alone.ranked, library))
         if kept is None:
             return alone
+        # Two others are more probable: if these have no name, it has none either.
+        ranked = tuple(replace(one, plausible=one.plausible and one is not alone.ranked[0]) for one in ranked)
     elif not reached and curves.driven is None:
         kept = _together(baseline, ranked, several_effects(baseline, ranked, library))
     if kept is not None and kept.stands:

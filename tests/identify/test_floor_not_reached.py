@@ -87,6 +87,19 @@ def test_what_follows_any_motion_for_a_while_keeps_no_name_from_a_pendulum(seed:
     assert min(left["second_mass"], left["harmonic_forcing"]) < left["pendulum_stiffness"]
 
 
+def test_a_law_that_two_others_beat_has_no_name_where_these_have_none():
+    """Nine cycles of a pendulum with drag, read in steps of 6 mrad: a loop follows both, and a walk of the damper the drag."""
+    time = np.arange(244) / 15.0
+    run = solve_ivp(
+        lambda t, y: [y[1], -12.1 * np.sin(y[0]) - 0.0126 * y[1] - 0.108 * y[1] * abs(y[1])],
+        (0.0, time[-1]), [0.97, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
+    )  # fmt: skip
+    noisy = run.y[0] + 2.1e-3 * np.random.default_rng(67).standard_normal(len(time))
+    library = among(*(one.name for one in FOLLOWERS), "hysteresis", "dahl_friction", "quadratic_damping")
+    found = diagnose(FreeDecay(15.0, np.round(noisy / 6e-3) * 6e-3, unit="rad"), library=library)
+    assert set(found.named) <= {"pendulum_stiffness", "quadratic_damping"}
+
+
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():
     """A card disc on a spring: drag is there, and besides a frequency that one release does not part from a drift."""
     position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[::4, 1]
