@@ -88,7 +88,7 @@ def test_what_follows_any_motion_for_a_while_keeps_no_name_from_a_pendulum(seed:
 
 
 def test_a_law_that_two_others_beat_has_no_name_where_these_have_none():
-    """Nine cycles of a pendulum with drag, read in steps of 6 mrad: a loop follows both, and a walk of the damper the drag."""
+    """Nine cycles of a pendulum with drag, in steps of 6 mrad: a loop follows both, and a walk of the damper the drag."""
     time = np.arange(244) / 15.0
     run = solve_ivp(
         lambda t, y: [y[1], -12.1 * np.sin(y[0]) - 0.0126 * y[1] - 0.108 * y[1] * abs(y[1])],
