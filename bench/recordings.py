@@ -115,7 +115,7 @@ def _right(hidden: str | None, verdict: str, named: set[str]) -> bool:
 
 
 def run(quick: bool) -> str:
-    """Return the tables as markdown; says so where the recordings are not there."""
+    """Return the tables as markdown. Raises FileNotFoundError where the recordings are not there."""
     if not DATA.is_dir():
         raise FileNotFoundError(
             "the recordings are not here (../shared/data, or the folder named by STATION_DATA)"

@@ -186,7 +186,7 @@ def _better(pairs: list[Pair]) -> int:
 
 
 def run(quick: bool) -> str:
-    """Return the table as markdown; says so where the recordings are not there."""
+    """Return the table as markdown. Raises FileNotFoundError where the recordings are not there."""
     if not DATA.is_dir():
         raise FileNotFoundError(
             "the recordings are not here (../shared/data, or the folder named by STATION_DATA)"

@@ -42,9 +42,12 @@ def is_offset(values: Array) -> bool:
     return is_measurable(values) and abs(float(np.nanmedian(values))) > amplitude(values)
 
 
-def counts_rows(values: Array) -> bool:
-    """Check whether whole numbers count the rows, from any number on."""
-    return len(values) > 2 and bool(values[0] == np.rint(values[0])) and bool(np.all(np.diff(values) == 1.0))
+def counts_rows(values: Array, *, any_step: bool = False) -> bool:
+    """Check whether whole numbers count the rows from any number on, every one, or in `any_step` that is whole."""
+    if len(values) < 3 or not (values[:2] == np.rint(values[:2])).all():
+        return False
+    steps = np.diff(values)
+    return bool(np.all(steps == (max(steps[0], 1.0) if any_step else 1.0)))
 
 
 def oscillation(values: Array) -> float:

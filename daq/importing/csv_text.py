@@ -57,7 +57,8 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
         parsed, rows = _cell_by_cell(path, lines, rows, dialect, notes)
     names, units = [""] * len(parsed), [""] * len(parsed)
     if wanted.header:
-        names, units = headers(lines, dialect, len(parsed))
+        counted = len(parsed) > 1 and counts_rows(parsed[0].values, any_step=True)
+        names, units = headers(lines, dialect, len(parsed), counted=counted)
     if not names[-1] and names[0] and counts_rows(parsed[0].values):
         names = ["row", *names[:-1]]
     columns = []
@@ -150,10 +151,13 @@ def _has_number(cells: Sequence[str], decimal: str) -> bool:
     return None not in numbers or any(":" in cell and any(map(str.isdigit, cell)) for cell in cells)
 
 
-def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[str], list[str]]:
+def headers(
+    lines: Sequence[str], dialect: Dialect, width: int, *, counted: bool = False
+) -> tuple[list[str], list[str]]:
     """Return the header and the unit of each column from the lines above the numbers, "" where there is none.
 
-    Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
+    Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals. A "#" that
+    stands alone above a column that counts rows (`counted`) is its name, and no remark.
     """
     above: list[list[str]] = []
     for number in range(max(0, dialect.start - 60), dialect.start):
@@ -163,8 +167,7 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
         if width == 1 and rate_in(line[:300], dialect.decimal) is not None:
             continue
         cells = _header_cells(line, dialect.delimiter, width)
-        named = len(cells) == width and not cells[0].strip("".join(COMMENTS))  # "#", above the rows' numbers
-        if is_comment(line) and not named:
+        if is_comment(line) and not (counted and len(cells) == width and cells[0].strip() == "#"):
             cells = _header_cells(line.lstrip().lstrip("".join(COMMENTS)).strip(), dialect.delimiter, width)
         above.append([c.strip().strip('"').strip() for c in cells])
     fitting = [cells for cells in above if _fits(cells, width)]

@@ -195,7 +195,9 @@ def _between(top: Suspect) -> str:
     if family is None:
         return ""
     exponent = top.parameters[family.free]
-    nearest = family.nearest(exponent.value)
+    nearest = family.nearest(exponent.value, top.baseline.fit.model.names)
+    if nearest is None:
+        return ""
     return (
         f"It behaves like {plain_name(nearest)} ({family.free} = {family.members[nearest]:g}), with {family.free} = "
         f"{quantity(exponent)}. "
@@ -255,11 +257,10 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
         key=lambda s: s.error_after,
     )
     shown = most or [best]
-    rest = "None of these" if len(shown) > 1 else "It"
     if baseline.adequate(shown[0].fit):
-        rest += " is confirmed" if len(shown) > 1 else " is not confirmed"
+        rest = "None of these is confirmed" if len(shown) > 1 else "This is not confirmed"
     else:
-        rest += " reaches the noise" if len(shown) > 1 else " does not reach the noise"
+        rest = "None of these comes down to the noise" if len(shown) > 1 else "That is still more than noise"
     leaves = _each_leaves(baseline, shown)
     return f"Something is missing: the model leaves {whole}. {leaves}; {floor}. {rest}."
 
@@ -290,8 +291,8 @@ def _unknown(
     by_curves = not baseline.floor_is_sure and baseline.decays[0].window.force is None
     if by_curves and judgement.confirmation is None:
         first += (
-            " In fewer than about twelve cycles the large amplitudes of one record cannot predict its small ones, so no "
-            "name is confirmed: diagnose it together with another release."
+            " One record of fewer than about twelve cycles is too short to predict its small amplitudes from its large "
+            "ones, so no name is confirmed: diagnose it together with another release."
         )
     if best is not None and baseline.adequate(best.fit):
         return first

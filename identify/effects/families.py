@@ -1,6 +1,6 @@
-"""The families: laws between the effects of the library, with a free parameter. They are no suspects by themselves."""
+"""The families: laws between the effects of the library, with a free parameter: suspects where a member is claimed."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from math import copysign, exp
 
@@ -23,9 +23,10 @@ class Family:
     members: Mapping[str, float]
     held: Callable[[Scales], dict[str, float]] = field(default=lambda scales: {})
 
-    def nearest(self, value: float) -> str:
-        """Return the member whose value is nearest to a given one."""
-        return min(self.members, key=lambda name: abs(self.members[name] - value))
+    def nearest(self, value: float, beside: Collection[str] = ()) -> str | None:
+        """Return the member whose value is nearest to a given one, of those that are not `beside` it; None for none."""
+        others = (name for name in self.members if name not in beside)
+        return min(others, key=lambda name: abs(self.members[name] - value), default=None)
 
 
 POWER_LAW_STIFFNESS = Family(

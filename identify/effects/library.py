@@ -69,7 +69,7 @@ LIBRARY: tuple[Effect, ...] = (
 
 
 NAMED: tuple[Effect, ...] = (*LIBRARY, *FAMILY_OF)
-"""All that a model may have: the library, which a diagnosis tries, and the laws of the families between its effects."""
+"""All that a model may have: the library, which a diagnosis tries, and the laws between its effects that are claimed."""
 
 
 def find_effect(name: str, library: tuple[Effect, ...] = ()) -> Effect:

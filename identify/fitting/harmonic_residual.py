@@ -54,7 +54,7 @@ class HarmonicResidual:
         odds = "p < 1e-6" if self.p_value < 1e-6 else f"p = {self.p_value:.1g}"
         decides = "more than noise explains" if self.against else "no more than noise explains"
         return (
-            "The noise floor is a guess here. What remains has at the motion's harmonics "
+            "The noise floor is a guess here. At the motion's harmonics, what remains has "
             f"{three_figures(self.ratio)} times the power expected from the spectrum between them ({odds}): {decides}."
         )
 

@@ -18,11 +18,11 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.effects.effect import Effect
-from identify.evidence import Evidence, decide, evidence
+from identify.evidence import Evidence, decide
 from identify.fitting.baseline import Baseline
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
-from identify.judging.ranking import at_rest
+from identify.judging.ranking import weigh_candidate
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
 from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
@@ -181,10 +181,7 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
     if baseline.reached_with(alone):
         return None
     near = [one for one in ranked if one.plausible][:_NEAR]
-    gain = {
-        one: evidence(baseline.fit, one.fit, baseline.scales) + at_rest(baseline.decays, one.fit, one.term)
-        for one in near
-    }
+    gain = {one: weigh_candidate(baseline, baseline.fit, one, 1.0).evidence for one in near}
     linear = {one: walk_beside(one.fit) for one in near}
     leaders = sorted(near, key=lambda one: -(gain[one] + linear[one].evidence))[:_LEADERS]
     walks = {one: linear[one].simulated for one in leaders}

@@ -28,7 +28,7 @@ from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.judging.beside_walk import weighed
 from identify.judging.nonparametric_force import free_form
-from identify.judging.ranking import rank, rivals_of
+from identify.judging.ranking import rank, rivals_of, with_laws_between
 from identify.judging.suspects import Candidate, is_predicted, singles, try_terms
 from identify.judging.verdict import Judgement
 from identify.priors import (
@@ -92,11 +92,13 @@ def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate
     return (first, *reach)
 
 
-def by_curves(baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves, best: Fit) -> Judgement:
+def by_curves(
+    baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves, best: Fit, *, alone: bool = True
+) -> Judgement:
     """Judge a misfit above the floor: name what the curves confirm, however much of it that explains.
 
     `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name, and
-    the curves are not asked for one.
+    the curves are not asked for one. What they do not confirm may have a name by its free run `alone`.
     """
     if curves.driven is not None:
         return Judgement("driven", ranked, baseline.fit, driven=curves.driven)
@@ -104,9 +106,9 @@ def by_curves(baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves,
     whole = fit_confirmed(baseline, found) if found is not None and found.effects else None
     if found is not None and whole is not None and agree(found, whole):
         return _of_confirmed(baseline, ranked, found, whole)
-    alone = _by_free_run(baseline, ranked, found, beats=curves.beats)
-    if alone is not None:
-        return alone
+    single = _by_free_run(baseline, ranked, found, beats=curves.beats) if alone else None
+    if single is not None:
+        return single
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None:
@@ -150,7 +152,7 @@ def _by_free_run(
     clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
     distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
     leave as much as what the curves confirm, if it is as good. A line, an oscillator, or a law with a free exponent follows
-    any motion for a while: it has no name where nothing beats, and keeps none from a force.
+    any motion for a while. Of these only an oscillator is named, where the amplitude beats; none keeps a name from a force.
     """
     much, forces = baseline.fit.chi_square, sorted(filter(_is_steady_force, ranked), key=_left)
     if beats and forces[:1] and forces[0].term.force.proportional and _left(forces[0]) < _LINE_LEAVES * much:
@@ -221,7 +223,7 @@ def line_beside(
     beside = replace(baseline, fit=usual)
     names = {entry.name for entry in ranked} - {line.name}
     tried = tuple(effect for effect in library if effect.name in names)
-    return line, beside, rank(beside, singles(beside, tried))
+    return line, beside, with_laws_between(beside, rank(beside, singles(beside, tried)))
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Candidate | None:

@@ -97,15 +97,14 @@ def _judged(
             kept = _together(baseline, alone.ranked, pair_instead(baseline, alone.ranked, library))
         if kept is None:
             return alone
-        # Two others are more probable: if these have no name, it has none either.
-        ranked = tuple(replace(one, plausible=one.plausible and one is not alone.ranked[0]) for one in ranked)
     elif not reached and curves.driven is None:
         kept = _together(baseline, ranked, several_effects(baseline, ranked, library))
     if kept is not None and kept.stands:
         return kept
     decided = () if kept is None else kept.decided
     if not reached or (kept is not None and not baseline.floor_is_sure):
-        found = by_curves(baseline, ranked, curves, best.fit)
+        # Where two others are more probable but have no name, a single one has none by its free run either.
+        found = by_curves(baseline, ranked, curves, best.fit, alone=kept is None or not reached)
         return found if found.verdict == "missing_effect" else replace(found, decided=decided)
     shape = free_form(baseline, baseline.fit)
     final = baseline.fit if best.plausible else best.fit

@@ -3,7 +3,7 @@
 Evidence at rest: a hum is there before the release, a force that shakes the mass is not seen while it is held.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,14 +40,13 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, .
     weighed = [weigh_candidate(baseline, baseline.fit, candidate, unit) for candidate in tried]
     sure = nothing([one.evidence for one in weighed]) < baseline.alpha
     ranked = (replace(one, claimed=sure and one.evidence > -np.log(baseline.alpha)) for one in weighed)
-    return _in_order(ranked)
+    return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
 
 
 def with_laws_between(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
     """Try the laws of the families of claimed effects, and add those that are better than all of their members.
 
-    Such a law is less probable than one of the library, by the odds at which two are distinguishable. Where an effect
-    reaches the floor, families of those that leave much more are not tried.
+    Where an effect reaches the floor, families of those that leave much more are not tried.
     """
     claimed = [one for one in ranked if one.claimed]
     reach = [one.fit.chi_square for one in claimed if one.plausible and baseline.adequate(one.fit)]
@@ -55,34 +54,32 @@ def with_laws_between(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tupl
     nats = {one.name: one.evidence for one in ranked}
 
     def is_better(law: Candidate) -> bool:
-        own = weigh_candidate(baseline, baseline.fit, law, ranked[0].unit).evidence - RIVALS_WITHIN
-        return all(own > nats.get(member, -np.inf) for member in FAMILY_OF[law.term.effect].members)
+        own = weigh_candidate(baseline, baseline.fit, law, ranked[0].unit).evidence
+        members = FAMILY_OF[law.term.effect].members
+        return law.name not in nats and all(own > nats.get(member, -np.inf) for member in members)
 
     laws = laws_of_families(baseline, [one.name for one in claimed if one.fit.chi_square < most])
     better = tuple(filter(is_better, laws))
-    if not better:
-        return ranked
-    rarer = (
-        replace(one, evidence=one.evidence - RIVALS_WITHIN) if one.term.effect in FAMILY_OF else one
-        for one in rank(baseline, (*ranked, *better))
-    )
-    return _in_order(rarer)
+    return rank(baseline, (*ranked, *better)) if better else ranked
 
 
 def weigh_candidate(baseline: Baseline, without: Fit, candidate: Candidate, unit: float) -> Candidate:
-    """Weigh a candidate against the fit `without` it in a `unit` of chi-square, with what the rest says of it."""
+    """Weigh a candidate against the fit `without` it in a `unit` of chi-square, with what the rest says of it.
+
+    A law of a family is less probable than an effect of the library, by the odds at which two are distinguishable.
+    """
     nats = evidence(without, candidate.fit, baseline.scales, unit)
-    return replace(
-        candidate, evidence=nats + at_rest(baseline.decays, candidate.fit, candidate.term), unit=unit
-    )
+    nats += at_rest(baseline.decays, candidate.fit, candidate.term)
+    if candidate.term.effect in FAMILY_OF:
+        nats -= RIVALS_WITHIN
+    return replace(candidate, evidence=nats, unit=unit)
 
 
-def _in_order(entries: Iterable[Candidate]) -> tuple[Candidate, ...]:
-    """Sort candidates; a sensor's line goes before a force where this record does not distinguish the two.
+def _line_of_sensor_first(ranked: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Put a sensor's line before a force where this record does not distinguish the two.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
     """
-    ranked = tuple(sorted(entries, key=_order))
     names = rivals_of(ranked[0], ranked) if ranked and ranked[0].term.is_force else ()
     lines = (e for e in ranked if e.term.effect.line and not e.term.is_force)
     hum = next((line for line in lines if line.plausible and line.name in names), None)

@@ -126,7 +126,8 @@ def pair_instead(
     law = tried[0]
     if law.term.effect.line or len(law.term.free) < 2:
         return None
-    few, least = FewReleases.of(baseline), evidence(baseline.fit, law.fit, baseline.scales) + RIVALS_WITHIN
+    few = FewReleases.of(baseline)
+    least = weigh_candidate(baseline, baseline.fit, law, 1.0).evidence + RIVALS_WITHIN
     for whole in _that_explain(few, baseline, _simple_pairs(few, tried, library)):
         if evidence(baseline.fit, whole.fit, baseline.scales) > least:
             return _with_places(baseline, whole, library)

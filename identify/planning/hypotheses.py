@@ -103,7 +103,7 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or name in undecided or (few and (suspect.plausible or _is_bounded(suspect))):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    # Most laws of a family follow a guessed floor.
+    # Most laws of a family follow a guessed floor: there only those are hypotheses that are suspects.
     one_name = len(named) == 1 and baseline.floor_is_sure
     near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if one_name else ()
     laws = laws_of_families(baseline, [suspect.effect.name for suspect in near])

@@ -70,7 +70,7 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     assert f"Settling stiffness would leave {percent:.3g} % of the motion" in found.explanation
     said = f", time varying stiffness {leaves['time_varying_stiffness']}; noise alone would leave"
     assert said in found.explanation
-    assert "None of these reaches the noise" in found.explanation
+    assert "None of these comes down to the noise" in found.explanation
     assert "and no effect can be named" not in found.explanation
 
 

@@ -55,6 +55,10 @@ def test_the_signature_of_a_power_law_is_that_of_the_gamma_function(p):
 def test_the_nearest_member_is_told():
     assert POWER_LAW_DAMPING.nearest(1.9) == "quadratic_damping"
     assert POWER_LAW_STIFFNESS.nearest(4.4) == "quintic_stiffness"
+    assert (
+        POWER_LAW_DAMPING.nearest(1.4, base_model().names) == "quadratic_damping"
+    )  # the model has viscous damping
+    assert BOUC_WEN.nearest(1.0, ("hysteresis",)) is None
 
 
 @pytest.mark.parametrize(
@@ -100,8 +104,13 @@ RIVALS = ("quadratic_damping", "cubic_damping", "fading_damping", "fading_fricti
           "signed_quadratic_stiffness", "settling_stiffness", "end_stop")  # fmt: skip
 
 
-@pytest.mark.parametrize(("law", "seed"), [("power_law_damping", 5), ("power_law_stiffness", 3)])
-def test_a_power_between_the_names_is_no_member_and_no_law_of_time_though_the_noise_is_a_guess(law, seed):
+@pytest.mark.parametrize(
+    ("law", "seed", "hum"),
+    [("power_law_damping", 5, 0.0), ("power_law_stiffness", 3, 0.0), ("power_law_damping", 5, 1e-3)],
+)
+def test_a_power_between_the_names_is_no_member_and_no_law_of_time_though_the_noise_is_a_guess(
+    law, seed, hum
+):
     """A force that grows with the power 1.5 of speed or displacement: drag between laminar and turbulent flow, a contact."""
     w, start, p = 8.2, 0.03, 1.5
 
@@ -118,8 +127,10 @@ def test_a_power_between_the_names_is_no_member_and_no_law_of_time_though_the_no
     time = np.arange(2500) / 100.0
     run = solve_ivp(rates, (0.0, time[-1]), [start, 0.0], t_eval=time, rtol=1e-9, atol=1e-12)
     noise = 2e-5 * np.random.default_rng(seed).standard_normal(len(time))
-    found = diagnose(FreeDecay(100.0, run.y[0] + noise), library=tuple(map(find_effect, RIVALS)))
-    assert (found.baseline.floor_is_sure, found.named) == (False, (law,))
+    line = hum * np.sin(2 * np.pi * 17.3 * time)
+    library = tuple(map(find_effect, (*RIVALS, "mains_hum")))
+    found = diagnose(FreeDecay(100.0, run.y[0] + noise + line), library=library)
+    assert (found.baseline.floor_is_sure, found.named) == (False, (law, "mains_hum") if hum else (law,))
     exponent = found.final.values[f"{law}.p"]
     assert abs(exponent.value - p) < 4.0 * exponent.std  # 1 in 16000 by chance
 

