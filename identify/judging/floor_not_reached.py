@@ -148,32 +148,30 @@ def _by_free_run(
 ) -> Judgement | None:
     """Name the one force that the simulation singles out where curves confirm none; None where there is no such force.
 
-    Either the amplitude `beats` and a force without a curve, a second oscillator, leaves much less; or one whose strength is
-    clear of none leaves next to nothing of what the model left, and no law of time is as good. Of those that are not
-    distinguishable from the best the simplest leads, but first one without a constant of its own: it is predicted, and may
-    leave as much as what the curves confirm, if it is as good. A line, an oscillator, or a law with a free exponent follows
-    any motion for a while. Of these only an oscillator is named, where the amplitude beats; none keeps a name from a force.
+    Either the amplitude `beats` and a force without a curve, a second oscillator, leaves least, and much less: a drive that
+    begins beats, too, and is a line. Or a force whose strength is clear of none leaves next to nothing of what the model
+    left, and no law of time is as good. Of those that are not distinguishable from the best the simplest leads, but first
+    one without a constant of its own: it is predicted, and may leave as much as what the curves confirm, if it is as good.
+    A line, an oscillator, or a law with a free exponent follows any motion for a while, and keeps no name from such a force.
     """
-    much, forces = baseline.fit.chi_square, sorted(filter(_is_steady_force, ranked), key=_left)
-    if beats and forces[:1] and forces[0].term.force.proportional and _left(forces[0]) < _LINE_LEAVES * much:
-        return _singled_out(baseline, forces[0], (), ranked, found)
+    much, by_residual = baseline.fit.chi_square, sorted(ranked, key=lambda entry: entry.fit.chi_square)
+    forces = [e for e in by_residual if _is_steady_force(e)]
+    oscillator = next((e for e in forces if e is by_residual[0] and e.term.force.proportional), None)
+    if beats and oscillator is not None and oscillator.fit.chi_square < _LINE_LEAVES * much:
+        return _singled_out(baseline, oscillator, (), ranked, found)
     laws = [e for e in forces if not e.term.force.proportional and e.term.effect not in FAMILY_OF]
     if baseline.floor_is_sure or not laws:
         return None
     alike = _as_good(laws[0], ranked)
     gravity = (e for e in laws if is_predicted(e))
     shares = ((e, LEAVES**2 if e in alike else NEXT_TO_NOTHING) for e in gravity)
-    leader = next((e for e, share in shares if _left(e) < share * much), None)
+    leader = next((e for e, share in shares if e.fit.chi_square < share * much), None)
     if leader is None and not any(e.term.effect.of_time for e in alike):
-        reach = (e for e in laws if e in alike and _left(e) < NEXT_TO_NOTHING * much)
+        reach = (e for e in laws if e in alike and e.fit.chi_square < NEXT_TO_NOTHING * much)
         leader = min(reach, key=lambda e: complexity(e.term.effect), default=None)
     if leader is None or not is_clear(leader.fit, leader.term):
         return None
     return _singled_out(baseline, leader, alike, ranked, found)
-
-
-def _left(entry: Candidate) -> float:
-    return entry.fit.chi_square
 
 
 def _singled_out(

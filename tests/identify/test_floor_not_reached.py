@@ -87,6 +87,24 @@ def test_what_follows_any_motion_for_a_while_keeps_no_name_from_a_pendulum(seed:
     assert min(left["second_mass"], left["harmonic_forcing"]) < left["pendulum_stiffness"]
 
 
+@pytest.mark.parametrize(("ratio", "force", "seconds", "seed"), [(1.08, 0.09, 25.0, 0), (0.9, 0.06, 20.8, 1)])
+def test_a_drive_that_begins_beats_and_is_no_second_mass(
+    ratio: float, force: float, seconds: float, seed: int
+):
+    """Driven off resonance from the first reading: the free motion beats with the forced one until it has died away."""
+    w, time = 2.0 * np.pi * 1.2, np.arange(int(25.0 * seconds)) / 25.0
+    run = solve_ivp(
+        lambda t, y: [y[1], w**2 * (force * np.cos(ratio * w * t + 1.0) - y[0]) - 0.02 * w * y[1]],
+        (0.0, time[-1]), [1.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-10,
+    )  # fmt: skip
+    noise = np.random.default_rng(seed).standard_normal((2, len(time)))
+    reading = run.y[0] + 4e-3 * noise[0] + 5e-3 * lfilter([1.0], [1.0, -0.85], noise[1])
+    found = diagnose(FreeDecay(25.0, reading), library=FOLLOWERS)
+    assert "second_mass" not in found.named
+    left = {one.effect.name: one.fit.chi_square for one in found.suspects}
+    assert max(left["second_mass"], left["harmonic_forcing"]) < 0.5 * found.baseline.fit.chi_square
+
+
 def test_a_law_that_two_others_beat_has_no_name_where_these_have_none():
     """Nine cycles of a pendulum with drag, in steps of 6 mrad: a loop follows both, and a walk of the damper the drag."""
     time = np.arange(244) / 15.0
