@@ -93,12 +93,12 @@ def _alike(baseline: Baseline, ranked: tuple[Candidate, ...]) -> tuple[Candidate
 
 
 def by_curves(
-    baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves, best: Fit, *, alone: bool = True
+    baseline: Baseline, ranked: tuple[Candidate, ...], curves: Curves, best: Fit, *, free_run: bool = True
 ) -> Judgement:
     """Judge a misfit above the floor: name what the curves confirm, however much of it that explains.
 
     `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name, and
-    the curves are not asked for one. What they do not confirm may have a name by its free run `alone`.
+    the curves are not asked for one. What they do not confirm may have a name by its `free_run`.
     """
     if curves.driven is not None:
         return Judgement("driven", ranked, baseline.fit, driven=curves.driven)
@@ -106,7 +106,7 @@ def by_curves(
     whole = fit_confirmed(baseline, found) if found is not None and found.effects else None
     if found is not None and whole is not None and agree(found, whole):
         return _of_confirmed(baseline, ranked, found, whole)
-    single = _by_free_run(baseline, ranked, found, beats=curves.beats) if alone else None
+    single = _by_free_run(baseline, ranked, found, beats=curves.beats) if free_run else None
     if single is not None:
         return single
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:

@@ -104,7 +104,7 @@ def _judged(
     decided = () if kept is None else kept.decided
     if not reached or (kept is not None and not baseline.floor_is_sure):
         # Where two others are more probable but have no name, a single one has none by its free run either.
-        found = by_curves(baseline, ranked, curves, best.fit, alone=kept is None or not reached)
+        found = by_curves(baseline, ranked, curves, best.fit, free_run=kept is None or not reached)
         return found if found.verdict == "missing_effect" else replace(found, decided=decided)
     shape = free_form(baseline, baseline.fit)
     final = baseline.fit if best.plausible else best.fit
