@@ -11,7 +11,6 @@ import json
 import os
 import re
 import stat
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -29,6 +28,8 @@ from daq.session_info import State
 from daq.storage import (
     LOCK,
     TEMPORARY,
+    WAIT_S,
+    Lock,
     digest,
     read_regular,
     refused,
@@ -40,8 +41,6 @@ from daq.storage import (
 
 NAME = "manifest.json"
 MAX_MANIFEST = 1 << 24
-LOOKS = 5
-LOOK_AGAIN_S = 0.05
 _TEMPORARY = re.compile(rf"\.(.+)\.[0-9a-f]{{16,64}}{re.escape(TEMPORARY)}")
 CUT_OFF = "its change was cut off half-way; recover the session"
 
@@ -224,22 +223,12 @@ def verify(folder: Path) -> Verification:
     Plain files in `results` that the manifest does not know are remarks; elsewhere they are problems, as links,
     pipes and devices are everywhere. A change by another process is waited for. Never raises for what is in the folder.
     """
-    for _ in range(LOOKS):
-        before = _state(folder)
+    found = _verify_once(folder)
+    if found.ok or not os.path.lexists(folder / NAME):
+        return found
+    with suppress(StationError), Lock(folder, WAIT_S):  # where nothing can be written, nobody changes it
         found = _verify_once(folder)
-        if found.ok or (_state(folder) == before and not any(CUT_OFF in p for p in found.problems)):
-            break
-        time.sleep(LOOK_AGAIN_S)
     return found
-
-
-def _state(folder: Path) -> tuple[int, int] | None:
-    """Return inode and time of change (ns) of the manifest; None without one."""
-    try:
-        status = (folder / NAME).lstat()
-    except OSError:
-        return None
-    return status.st_ino, status.st_mtime_ns
 
 
 def _verify_once(folder: Path) -> Verification:

@@ -30,6 +30,7 @@ from daq.sensor_faults import sensor_faults
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
 from daq.storage import (
+    WAIT_S,
     Lock,
     digest,
     discard,
@@ -40,9 +41,6 @@ from daq.storage import (
     stored_name,
     write_whole,
 )
-
-WAIT_S = 10.0
-"""How long a change waits for another process that changes the same session."""
 
 
 class Session(SessionReader):
@@ -226,8 +224,8 @@ class Session(SessionReader):
         if self._lock is not None:
             yield True
             return
-        lock = Lock(self.folder)
-        lock.acquire(WAIT_S)
+        lock = Lock(self.folder, WAIT_S)
+        lock.acquire()
         self._lock = lock
         try:
             complete(self.folder)

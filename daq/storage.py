@@ -15,6 +15,8 @@ from daq.errors import NotASession, NotWritable, OperatorError, SessionLocked, S
 
 TEMPORARY, LOCK = ".new", ".lock"
 LOOK_AGAIN_S = 0.02
+WAIT_S = 10.0
+"""What a change by another process may take."""
 LONGEST_NAME = 150
 
 _CAREFUL = sum(
@@ -201,8 +203,8 @@ def digest(data: bytes) -> str:
 class Lock:
     """A lock on a folder that the system takes back when the process dies, however it dies."""
 
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / LOCK
+    def __init__(self, folder: Path, wait_s: float = 0.2) -> None:
+        self.path, self.wait_s = folder / LOCK, wait_s
         self._file: IO[bytes] | None = None
 
     def __enter__(self) -> None:
@@ -211,9 +213,9 @@ class Lock:
     def __exit__(self, *reason: object) -> None:
         self.release()
 
-    def acquire(self, wait_s: float = 0.2) -> None:
+    def acquire(self) -> None:
         """Take the lock, within `wait_s` seconds where another has it, or raise SessionLocked."""
-        until = time.monotonic() + wait_s
+        until = time.monotonic() + self.wait_s
         while not self._taken():
             if time.monotonic() >= until:
                 raise SessionLocked(

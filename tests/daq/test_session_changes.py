@@ -11,7 +11,9 @@ from threading import Barrier, Thread
 import numpy as np
 import pytest
 
+from daq import manifest
 from daq.errors import OperatorError, SessionChanged, SessionLocked, StorageError
+from daq.manifest import Verification
 from daq.recording import Channel, Recording
 from daq.session import Session, State, recover, unsealed_sessions, verify
 from daq.storage import Lock, digest, write_whole
@@ -106,8 +108,6 @@ def test_a_change_that_is_killed_at_any_call_is_whole_or_not_at_all(session: Ses
 def test_the_next_change_completes_one_that_was_cut_off(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from daq import manifest
-
     monkeypatch.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         session.write_results(NEW)
@@ -116,6 +116,25 @@ def test_the_next_change_completes_one_that_was_cut_off(
     Session.open(session.folder).write_result("more.json", "{}")
     assert verify(session.folder).ok
     assert kept(session.folder) == NEW | {"more.json": b"{}"}
+
+
+@posix_only
+def test_whoever_looks_waits_for_a_change_however_slow_the_other_process_is(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        session.write_results(NEW)
+    monkeypatch.undo()
+    found = list[Verification]()
+    watcher = Thread(target=lambda: found.append(verify(session.folder)))
+    with Lock(session.folder):
+        watcher.start()
+        watcher.join(0.5)
+        assert not found
+        manifest.complete(session.folder)
+    watcher.join()
+    assert found[0].ok
 
 
 WRITER = """
