@@ -15,7 +15,7 @@ from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.fitting.random_walk import RandomWalk, walk_beside, with_walk_errors
-from identify.model.model import Model, base_model
+from identify.model.model import Model
 from identify.model.parameter_id import values_in_release
 from identify.preprocessing.fit_window import release_numbers
 from identify.preprocessing.noise import Noise, stale
@@ -219,14 +219,19 @@ def fit_baseline(
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
     start = own_springs(decays, model, start) | start
-    found = fit(model, windows, start, frequency)
-    if not np.isfinite(found.chi_square):  # by equation error the motion runs away: a linear one does not
-        linear = {str(term.strength): 0.0 for term in model.forces if term.effect.name not in base_model()}
-        found = fit(model, windows, start | linear, frequency)
+    # By equation error the motion may run away, or friction may stop it too early: no step leads out of that.
+    starts = (start, start | _linear_oscillator(model, frequency))
+    found = min((fit(model, windows, one, frequency) for one in starts), key=lambda one: one.chi_square)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if mended != decays:
         found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
     return refit_at_floor(mended, found)
+
+
+def _linear_oscillator(model: Model, frequency: float) -> dict[str, float]:
+    """Return the strengths of a model that is a spring with 1 % of the critical damping, at a frequency (rad/s)."""
+    strengths = {"linear_stiffness": frequency**2, "viscous_damping": 0.02 * frequency}
+    return {str(term.strength): strengths.get(term.effect.name, 0.0) for term in model.forces}
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
