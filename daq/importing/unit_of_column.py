@@ -59,8 +59,8 @@ def too_far(column: SourceColumn) -> str:
     if column.said.unit or far <= MOST_METRES:
         return ""
     return (
-        f"{column.place} names no unit and swings by {far:.3g} to either side, too far for metres; say its unit, "
-        "as in --unit displacement=deg"
+        f"{column.place} names no unit and swings by {far:.3g} to either side, too far for metres, so they "
+        "would be counts; say its unit, as in --unit displacement=deg"
     )
 
 

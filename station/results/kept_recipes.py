@@ -41,18 +41,17 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
         table = tables[key]
         if table is None or not fits(table, recipe):
             continue
-        if not any(field.name for field in recipe.fields):
-            if not _is_in_doubt(file):
-                continue
-            doubt = (
-                f"its columns have no names; it would be read by the recipe that was confirmed for {place.parent.name} "
-                "(--accept takes that, --recipe none reads the file without it)"
-            )
-            return Look(table, Proposal(recipe, {}, (doubt,))), ""
-        return Look(table, Proposal(recipe, {})), (
-            f"read by the recipe that was confirmed for {place.parent.name}, whose columns and units are the same "
-            f"({place}); --recipe none reads the file without it"
+        kept = f"the recipe that was confirmed for {place.parent.name}"
+        said = f"read by {kept}, whose columns and units are the same ({place}); --recipe none reads the file without it"
+        if any(field.name for field in recipe.fields):
+            return Look(table, Proposal(recipe, {})), said
+        doubt = (
+            f"its columns have no names; it would be read by {kept} "
+            "(--accept takes that, --recipe none reads the file without it)"
         )
+        proposed = Look(table, Proposal(recipe, {}, (doubt,)))
+        if _is_in_doubt(file) and _reads(proposed):
+            return proposed, said
     return look_at(file), ""
 
 
@@ -61,6 +60,12 @@ def _is_in_doubt(file: Path) -> bool:
         look_at(file).read()
     except ImportProblem as refusal:
         return isinstance(refusal, Doubtful)
+    return False
+
+
+def _reads(look: Look) -> bool:
+    with suppress(ImportProblem):
+        return bool(look.read(accept=True).recordings)
     return False
 
 

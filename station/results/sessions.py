@@ -140,7 +140,7 @@ def import_file(
         place = file.parent
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
-    if recipe is None and not anew and options == ImportOptions():
+    if recipe is None and not anew and replace(options, accept=False) == ImportOptions():
         look, said = look_with_kept(file, kept or sessions)
     else:
         look, said = look_at(file, options, recipe), ""
@@ -211,7 +211,7 @@ def _form(note: str) -> str:
 
 
 def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
-    stem = safe_name(file.stem)
+    stem = _stem(file)
     name, number = stem, 1
     while (sessions / name).exists() or any((sessions / f"{name}{added}").exists() for added in names):
         number += 1
@@ -219,12 +219,17 @@ def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
     return name
 
 
+def _stem(file: Path) -> str:
+    """Return a file's name without its ending; of `run_0.900` all of it, for a number is no ending."""
+    return safe_name(file.name if file.suffix[1:2].isdigit() else file.stem)
+
+
 def made_of(file: Path, sessions: Path) -> list[Path]:
     """Return the sessions that were made of this very file."""
     content = file.read_bytes()
     copies = (
         (folder, folder / "source" / file.name)
-        for folder in sorted(sessions.glob(f"{safe_name(file.stem)}*"))
+        for folder in sorted(sessions.glob(f"{_stem(file)}*"))
     )
     return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
 

@@ -218,6 +218,29 @@ def test_two_loggers_with_equal_names_and_other_units_are_not_confused(capsys):
     assert np.max(Session.open(answer["sessions"][0]).recording().samples) == pytest.approx(0.02)
 
 
+def test_what_is_accepted_of_a_file_without_names_is_the_kept_recipe_that_was_shown(capsys):
+    motor = np.sin(2 * np.pi * 0.9 * T)
+    for name in ("motor_0.900", "motor_0.968"):
+        written(name, "", T, motor, DECAY)
+    chosen = ("--column", "displacement=3", "--unit", "displacement=counts", "--unit", "time=s")
+    assert imported(capsys, "motor_0.900", *chosen)["sessions"] == ["sessions/motor_0.900"]
+    assert run(["import", "motor_0.968"]) == 2
+    assert "confirmed for motor_0.900" in capsys.readouterr().err
+    answer = imported(capsys, "motor_0.968", "--accept")
+    assert "confirmed for motor_0.900" in answer["notes"][0]
+    np.testing.assert_allclose(Session.open(answer["sessions"][0]).recording().samples[0], DECAY, atol=1e-8)
+
+
+def test_a_kept_recipe_that_cannot_read_a_file_is_not_proposed_for_it(capsys):
+    written("circuit.txt", "", 1e3 * T, 500.0 * DECAY)
+    imported(capsys, "circuit.txt", "--column", "displacement=2", "--unit", "time=us")
+    written("frame.txt", "", T, DECAY)
+    assert run(["import", "frame.txt"]) == 2
+    told = capsys.readouterr()
+    assert "nothing says whether column 2 is a displacement" in told.err
+    assert 'role = "time", unit = "s"' in told.out
+
+
 def test_json_of_a_refused_file_holds_the_proposed_recipe(capsys):
     written("odd.csv", "", T, DECAY)
     assert run(["import", "odd.csv", "--json"]) == 2

@@ -546,6 +546,7 @@ def test_a_column_of_which_only_an_option_says_what_it_is_has_no_unit(tmp_path: 
         ImportProblem, match=r"column 3 'x' names no unit and swings by .* too far for metres"
     ):
         load(tmp_path, text, columns={"displacement": "x"})
+    assert load(tmp_path, text, columns={"displacement": "x"}, accept=True).channels[0].unit == "count"
     small = table("time,cx,x", t, 500.0 + 2e4 * u, 0.1 * u)
     assert load(tmp_path, small, columns={"displacement": "x"}).channels[0].unit == "m"
 
