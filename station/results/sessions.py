@@ -227,10 +227,7 @@ def _stem(file: Path) -> str:
 def made_of(file: Path, sessions: Path) -> list[Path]:
     """Return the sessions that were made of this very file."""
     content = file.read_bytes()
-    copies = (
-        (folder, folder / "source" / file.name)
-        for folder in sorted(sessions.glob(f"{_stem(file)}*"))
-    )
+    copies = ((folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{_stem(file)}*")))
     return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
 
 

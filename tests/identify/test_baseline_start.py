@@ -30,7 +30,9 @@ def test_a_model_that_would_run_away_is_fitted_from_a_linear_one(seed: int) -> N
 def test_friction_that_stops_the_motion_too_early_is_not_where_the_fit_ends(seed: int) -> None:
     """A plate on a pendulum in 15 s at 10 Hz: by equation error friction stops it, and from there no step leads out."""
     draws = np.random.default_rng(seed)
-    drag, viscous, softening, largest = (draws.uniform(*of) for of in ((0.5, 3), (0, 0.05), (0, 40), (0.1, 0.35)))
+    drag, viscous, softening, largest = (
+        draws.uniform(*of) for of in ((0.5, 3), (0, 0.05), (0, 40), (0.1, 0.35))
+    )
 
     def moves(_: float, state: np.ndarray) -> list[float]:
         u, v = state
