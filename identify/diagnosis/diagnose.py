@@ -209,9 +209,10 @@ class Diagnosis(Summarised):
             for suspect in self.suspects[:_SHOWN]
         ]
         named = f": {' and '.join(self.named)}" if self.named else ""
-        found = self.confirmation
+        found, alike = self.confirmation, {law.name for law in self.laws if law.role != "usual"}
+        kinds = [suspect.kind for suspect in self.suspects if suspect.effect.name in alike]
         return Summary(
-            f"{headline_of(self.verdict, undecided=bool(found and found.undecided))}{named}",
+            f"{headline_of(self.verdict, undecided=bool(found and found.undecided), kinds=kinds)}{named}",
             (
                 self.explanation,
                 *(

@@ -1,5 +1,6 @@
 """The verdict on a model: a word, a headline, the judgement with all that belongs to it, and when data are too few."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.curves.decay_curve import DecayCurve
+from identify.effects.effect import Kind
 from identify.evidence import Evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
@@ -38,11 +40,15 @@ HEADLINES: dict[Verdict, str] = {
 }
 
 
-def headline_of(verdict: Verdict, *, undecided: bool) -> str:
-    """Write a verdict in a few words; `undecided` says that curves show effects of which none is sure enough for a name."""
+def headline_of(verdict: Verdict, *, undecided: bool = False, kinds: Collection[Kind] = ()) -> str:
+    """Write a verdict in a few words.
+
+    `undecided` says that curves show effects of which none is sure enough for a name; `kinds` are those of a name and of
+    what is not distinguishable from it.
+    """
     if verdict == "unconfirmed" and undecided:
         return "Something is missing, and no effect is sure enough for a name"
-    return HEADLINES[verdict]
+    return HEADLINES[verdict] if len(set(kinds)) < 2 else "A force is missing, or a sensor is at fault"
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,14 +42,15 @@ DECIDED = {
 
 
 def headline(document: DiagnosisDocument) -> str:
-    """Write the verdict in one line, a single name with what is of its kind, plausible, and not distinguishable from it."""
+    """Write the verdict in one line, a single name with what is plausible and not distinguishable from it."""
     found = document.confirmation
-    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided)).upper()
-    if not document.named:
-        return verdict
     names = [plain_name(name) for name in document.named]
     kinds = {one.effect: one.kind for one in document.suspects if one.plausible}
-    alike = [r for r in document.rivals if len(names) == 1 and kinds.get(r) == kinds.get(document.named[0])]
+    alike = [rival for rival in document.rivals if rival in kinds] if len(names) == 1 else []
+    weighed = [kinds[name] for name in (*document.named[:1], *alike) if name in kinds]
+    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided), kinds=weighed).upper()
+    if not names:
+        return verdict
     if len(alike) > MOST_RIVALS:
         return f"{verdict}: {names[0]}, or one of {len(alike)} others"
     return f"{verdict}: {among([*names, *map(plain_name, alike)], 'or' if alike else 'and')}"

@@ -90,13 +90,14 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     assert len(short) <= 11  # and the line that says what comes next
     assert short[0].rstrip() == " A FORCE IS MISSING: cubic stiffness"
     forces = [s.effect for s in document.suspects if s.plausible and s.kind == "physics"][1:5]
-    sensor = next(s.effect for s in document.suspects if s.kind == "sensor")
+    sensor = next(s.effect for s in document.suspects if s.plausible and s.kind == "sensor")
+    missing, either = "A FORCE IS MISSING", "A FORCE IS MISSING, OR A SENSOR IS AT FAULT"
     for rivals, said in (
-        ([forces[0], sensor], f" or {plain_name(forces[0])}"),
-        (forces, ", or one of 4 others"),
+        (forces[:1], f"{missing}: cubic stiffness or {plain_name(forces[0])}"),
+        ([forces[0], sensor], f"{either}: cubic stiffness, {plain_name(forces[0])} or {plain_name(sensor)}"),
+        (forces, f"{missing}: cubic stiffness, or one of 4 others"),
     ):
-        alike = diagnosis_text.headline(document.model_copy(update={"rivals": rivals}))
-        assert alike == f"A FORCE IS MISSING: cubic stiffness{said}"
+        assert diagnosis_text.headline(document.model_copy(update={"rivals": rivals})) == said
     text = printed(diagnosis_text.told(document, UNKNOWN, full=True), full=True)
     assert all(len(line) <= 80 for line in (*short, *text.splitlines()))
     assert re.search(r" used +0\.\d+ to \d\.\d+ of 8\.75 s, ", text)
