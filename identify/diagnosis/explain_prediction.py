@@ -70,7 +70,9 @@ def _not_sure(leading: Suspect, before: float) -> str:
     would = f"{sentence_case(plain_name(leading.effect.name))} would explain {share_words(share)} of what the model leaves"
     if not is_clear(leading.fit, leading.term):
         return f"{would}, but its strength, {quantities({name: strength})[0]}, may be zero."
-    return f"{would}; {_among(leading.rivals, 'or')} would do as well." if leading.rivals else ""
+    if not leading.rivals:
+        return ""
+    return f"{would}; this record does not distinguish it from {_among(leading.rivals, 'or')}."
 
 
 def explain_driven(curve: DecayCurve, unit: str) -> str:

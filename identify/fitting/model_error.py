@@ -12,7 +12,7 @@ from identify.model.measured_path import model_force
 from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import ADEQUATE, HARDLY_KNOWN, LARGE
+from identify.priors import ADEQUATE, HARDLY_KNOWN, LARGE, NEGLIGIBLE
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,11 @@ def may_hide_anything(baseline: Baseline, found: Fit) -> bool:
     too_high = found.reduced < float(np.exp(-ADEQUATE * baseline.spread))
     unknown = not baseline.floor_is_sure and (too_high or baseline.spread >= HARDLY_KNOWN)
     return unknown and baseline.adequate(found) and motion_percent(found) > LARGE
+
+
+def is_negligible(baseline: Baseline) -> bool:
+    """Check whether a fitted model leaves too little of the motion to be missing anything, above a floor that is a guess."""
+    return not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE
 
 
 def removed_percent(before: Fit, after: Fit) -> float:

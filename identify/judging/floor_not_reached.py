@@ -25,7 +25,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import Fit, fit
 from identify.fitting.misfit_errors import is_clear, misfit_density
-from identify.fitting.model_error import line_percent, motion_percent
+from identify.fitting.model_error import is_negligible, line_percent
 from identify.judging.beside_walk import weighed
 from identify.judging.nonparametric_force import free_form
 from identify.judging.ranking import rank, rivals_of, with_laws_between
@@ -36,7 +36,6 @@ from identify.priors import (
     DOUBT_AT_A_GUESS,
     LARGE,
     LEAVES,
-    NEGLIGIBLE,
     NEXT_TO_NOTHING,
     RIVALS_WITHIN,
 )
@@ -109,7 +108,7 @@ def by_curves(
     single = _by_free_run(baseline, ranked, found, beats=curves.beats) if free_run else None
     if single is not None:
         return single
-    if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
+    if is_negligible(baseline):
         return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None:
         shape = free_form(baseline, best)

@@ -13,7 +13,7 @@ from identify.effects.library import DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import ModelError, errors_of, may_hide_anything
+from identify.fitting.model_error import ModelError, errors_of, is_negligible, may_hide_anything
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name, stiffness_name, two_figures
 from identify.model.model import model_of_orders
@@ -43,9 +43,10 @@ GAIN_WORTH_SAYING = 2e-3
 class Adequacy:
     """The identified model fitted to its own record and simulated from the release, with its errors.
 
-    `adequate` says whether the noise floor is reached. `apart` is the parameter in which two of the estimates (by the
-    methods, by the simulation) are farthest apart, with the distance in standard errors `sigmas`. `doubt` is what its
-    clock, its noise, the sign of its friction, or the verdict on the recording holds against every value; "" for nothing.
+    `adequate` says whether the noise floor is reached or, where it is a guess, the residual is negligible. `apart` is the
+    parameter in which two of the estimates (by the methods, by the simulation) are farthest apart, with the distance in
+    standard errors `sigmas`. `doubt` is what its clock, its noise, the sign of its friction, or the verdict on the
+    recording holds against every value; "" for nothing.
     """
 
     fit: Fit
@@ -110,7 +111,8 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     apart, sigmas = farthest(estimates)
     negative = any(method.damping[0].value < -_NEGATIVE * method.damping[0].std for method in methods)
     of_law = "its dry friction is below zero, so another law of damping must be at work" if negative else ""
-    return Adequacy(fit, error, baseline.at_floor, apart, sigmas, doubt or of_clock or of_noise or of_law)
+    adequate = baseline.at_floor or is_negligible(baseline)
+    return Adequacy(fit, error, adequate, apart, sigmas, doubt or of_clock or of_noise or of_law)
 
 
 def _per_mass(method: Method) -> dict[str, Estimate]:

@@ -32,7 +32,7 @@ _MOST_OF_IT = 0.5
 NO_NAME, BESIDE = "a law outside the library instead", "a law outside the library beside the first"
 DECIDED = {
     "named": "The evidence suffices for a name",
-    "would name": "This evidence alone would suffice for a name",
+    "would name": "This evidence would suffice, but another condition for a name is not met",
     "nothing": "No law of the library is better than a random walk",
     "no name": "No effect is named: the evidence does not single one out",
     "may drift": "No effect is named: a law of time is not distinguished from one of the amplitude",

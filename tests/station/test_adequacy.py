@@ -277,3 +277,14 @@ def test_a_run_that_diverges_and_a_small_residual_that_repeats_are_said_so():
         == residual_words(2.5, 1.9)
         == "2.50 % of the motion, 1.38 times the noise"
     )
+
+
+@pytest.mark.parametrize(("size", "adequate"), [(3e-5, True), (6e-3, False)])
+def test_a_residual_far_below_what_names_an_effect_is_adequate_above_a_guessed_floor(size, adequate):
+    """A decay with a little of its third harmonic in hardly any noise: `diagnose` says of the first that nothing is missing."""
+    time = np.arange(1200) / 100.0
+    motion = np.exp(-0.25 * time) * np.cos(10.0 * time) + size * np.exp(-0.75 * time) * np.cos(30.0 * time)
+    decay = FreeDecay(100.0, motion + 1e-8 * np.random.default_rng(1).standard_normal(1200))
+    found = adequacy(prepare(decay), [identify_wavelet(decay), identify_restoring_force(decay)])
+    assert found.error.chi_square > 100.0
+    assert found.adequate is adequate
