@@ -13,7 +13,7 @@ from identify.fitting.baseline import Baseline, residual_lines
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.judging.beginning import Beginning, begin
-from identify.judging.linear_gain import Slope, is_near
+from identify.judging.linear_gain import Slope
 from identify.model.model import Model, Term
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -99,11 +99,11 @@ def try_terms(
 
     From most starts the term's inner parameters are held at first, so that all others can make room for it. Then all are
     fitted freely: the most promising few to the end, the others until they creep with twice the best of these still below.
-    Where only a `goal` of chi-square counts, a slow fit is stopped. Near the floor fits begin at the places
-    of the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
+    Where only a `goal` of chi-square counts, a slow fit is stopped. Fits begin at the places of
+    the largest linear gains, too, if `by_gain`. `counted` gets how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    slope = Slope.of(base) if by_gain and is_near(base) else None
+    slope = Slope.of(base) if by_gain else None
     whole = 2 * len(terms)
     begun: list[Beginning] = []
     for done, term in enumerate(terms, 1):

@@ -281,7 +281,7 @@ def test_a_run_that_diverges_and_a_small_residual_that_repeats_are_said_so():
 
 @pytest.mark.parametrize(("size", "adequate"), [(3e-5, True), (6e-3, False)])
 def test_a_residual_far_below_what_names_an_effect_is_adequate_above_a_guessed_floor(size, adequate):
-    """A decay with a little of its third harmonic in hardly any noise: `diagnose` says of the first that nothing is missing."""
+    """A decay with a little of its third harmonic in hardly any noise: of the first `diagnose` misses nothing."""
     time = np.arange(1200) / 100.0
     motion = np.exp(-0.25 * time) * np.cos(10.0 * time) + size * np.exp(-0.75 * time) * np.cos(30.0 * time)
     decay = FreeDecay(100.0, motion + 1e-8 * np.random.default_rng(1).standard_normal(1200))
