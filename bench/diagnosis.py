@@ -12,7 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
-from identify.diagnosis.diagnose import diagnose, refine
+from identify.diagnosis.diagnose import diagnose
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
@@ -81,7 +81,7 @@ def judge(case: Case) -> Outcome:
     try:
         setting, truth = setting_of(case)
         if case.auto:
-            ladder = refine((setting,))
+            ladder = diagnose((setting,)).refine()
             named = tuple(e for e in ladder.top.effects if e not in BASE)
             fit, verdict, first, p = ladder.top.fit, ladder.verdict, named[0] if named else "", 0.0
         else:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from identify.comparison.compare import Comparison as Comparison, compare as compare
     from identify.curves.laid_over import DecayCurves as DecayCurves, decay_curves as decay_curves
-    from identify.diagnosis.diagnose import Diagnosis as Diagnosis, diagnose as diagnose, refine as refine
+    from identify.diagnosis.diagnose import Diagnosis as Diagnosis, diagnose as diagnose
     from identify.diagnosis.ladder import (
         Ladder as Ladder,
         Step as Step,
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "comparison.compare": ("Comparison", "compare"),
     "curves.laid_over": ("DecayCurves", "decay_curves"),
-    "diagnosis.diagnose": ("Diagnosis", "diagnose", "refine"),
+    "diagnosis.diagnose": ("Diagnosis", "diagnose"),
     "diagnosis.ladder": ("Ladder", "Step", "add_effect", "first_step", "remove_effect"),
     "judging.suspect": ("Suspect",),
     "effects.effect": ("Effect", "Parameter"),

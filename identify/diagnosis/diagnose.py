@@ -360,19 +360,6 @@ def _curves(baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple
     return Curves(whole, forces, known, terms, scales_of(whole[0], {}))
 
 
-def refine(
-    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
-    model: Model | None = None,
-    *,
-    library: tuple[Effect, ...] | None = None,
-    known: dict[str, float] | None = None,
-    worth: float = 0.0,
-    progress: Progress = lambda step, words: None,
-) -> Ladder:
-    """Add what is missing until nothing is, and take out again what is no longer needed; see `diagnose`."""
-    return diagnose(decays, model, library=library, known=known, worth=worth).refine(progress)
-
-
 MORE_DATA = "Record at least ten cycles, from the largest amplitude that is safe."
 _AT_REST = "Record the sensor at rest for a second before the release, from a larger amplitude."
 _AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from daq.session import Session
-from identify.diagnosis.diagnose import refine
+from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import (
     Step,
     add_effect,
@@ -155,9 +155,8 @@ def refine_to_floor(refinement: Refinement, found_so_far: Callable[[KeptLadder, 
         found_so_far(kept, f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
 
     start = known.values | top.nuisances
-    found = refine(
-        refinement.prepared, known.model, library=refinement.library, known=start, progress=on_step
-    )
+    first = diagnose(refinement.prepared, known.model, library=refinement.library, known=start)
+    found = first.refine(on_step)
     ended = kept.with_(stopped_because=found.stopped_because, verdict=found.verdict)
     return write_ladder(refinement.session, ended)
 
