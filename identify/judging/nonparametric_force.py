@@ -17,7 +17,7 @@ from identify.fitting.baseline import Baseline, force_along_motion
 from identify.fitting.fit import Fit
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.signal.splines import basis, clamped_knots
+from identify.signal.splines import DEGREE, basis
 
 _FORMS = {
     "displacement": (CurveForm("", "u", 0.0, 1.0, 1), 24),
@@ -179,8 +179,7 @@ def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
 
 
 def _splines(position: Array, count: int) -> Array:
-    low, high = float(position.min()), float(position.max())
-    first, values = basis(position, clamped_knots(low, high, count - 3))
+    first, values = basis(position, float(position.min()), float(position.max()), count - DEGREE)
     design = np.zeros((len(position), count))
     np.put_along_axis(design, first[:, None] + np.arange(values.shape[1]), values, axis=1)
     return design

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from identify.algebra import solve_banded
 from identify.arrays import Array, Mask
 from identify.signal.kinematics import AVERAGES
-from identify.signal.splines import DEGREE, basis, clamped_knots, spline_and_derivatives
+from identify.signal.splines import DEGREE, basis
 
 _RIDGE = 1e-11
 """Added to the normal equations, whose diagonal is one, so that stretches without samples can be solved for."""
@@ -47,19 +47,21 @@ def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Sl
     time = np.arange(len(values)) / rate
     end = float(time[-1])
     spans = max(1, round(end * frequency / 2.0))
-    knots = clamped_knots(0.0, end, spans)
     step = max(1, int(rate / (POINTS_PER_PERIOD * frequency)))
     rows = np.flatnonzero(weights)[::step]
-    first, weight = basis(time[rows], knots)
-    columns = len(knots) - DEGREE - 1
+    first, weight = basis(time[rows], 0.0, end, spans)
     over = first[:, None] + np.arange(DEGREE + 1)
     phase = 2.0 * np.pi * frequency * time[rows]
     waves = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=1)
     # the three columns of a spline stand side by side
     design = (weight[:, :, None] * waves[:, None, :]).reshape(len(rows), -1)
     place = (3 * over[:, :, None] + np.arange(3)).reshape(len(rows), -1)
-    found = _banded_least_squares(design, place, values[rows], 3 * columns)
-    return Slow(*spline_and_derivatives(time, knots, found[::3], 2))
+    slow = _banded_least_squares(design, place, values[rows], 3 * (spans + DEGREE))[::3]
+    parts = []
+    for derivative in range(3):
+        first, weight = basis(time, 0.0, end, spans, derivative)
+        parts.append(np.sum(weight * slow[first[:, None] + np.arange(DEGREE + 1)], axis=1))
+    return Slow(*parts)
 
 
 def _banded_least_squares(design: Array, place: NDArray[np.int_], values: Array, columns: int) -> Array:
