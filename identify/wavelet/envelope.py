@@ -12,16 +12,6 @@ def cumulative(values: Array, step: float) -> Array:
     return out
 
 
-def weighted_inverse(rows: Array, weight: Array) -> Array:
-    """Return the least-squares inverse (p, m) of p functions of m points, `rows` (p, m), with `weight` (m,)."""
-    weighted = rows * weight
-    size = np.linalg.norm(weighted, axis=1)[:, None] + 1e-300
-    unit = weighted / size
-    normal = unit @ unit.T
-    normal[np.diag_indices(len(normal))] += 1e-13  # solvable even where two functions are one
-    return np.asarray(np.linalg.solve(normal, unit) * weight / size)
-
-
 def solve_integrated(envelope: Array, step: float, order: int, weight: Array) -> Array:
     """Return k(0), c_0..c_order from eqs. (10)-(12), the integrated envelope equation, by least squares.
 
@@ -31,8 +21,7 @@ def solve_integrated(envelope: Array, step: float, order: int, weight: Array) ->
     scale = float(np.max(envelope))
     relative = envelope / scale
     powers = np.stack([relative**i for i in range(order + 1)])
-    columns = np.concatenate([np.ones((1, len(envelope))), -cumulative(powers, step)]).T
-    found = weighted_inverse(columns.T, weight) @ relative
+    found = _weighted([np.ones(len(envelope)), *-cumulative(powers, step)], relative, weight)
     found *= scale
     found[1:] /= scale ** np.arange(order + 1)
     return found
@@ -46,12 +35,18 @@ def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...
     """
     scale = float(np.max(envelope))
     powers = np.stack([(envelope / scale) ** (i - 1) for i in orders])
-    columns = np.concatenate([np.ones((1, len(phase))), cumulative(powers, step)]).T
-    units = np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])
-    gain = weighted_inverse(columns.T, envelope * weight) / units[:, None]
-    parameters: Array = gain @ (phase - phase[0])
-    parameters[0] += phase[0]
-    return parameters
+    columns = [np.ones(len(phase)), *cumulative(powers, step)]
+    found = _weighted(columns, phase - phase[0], envelope * weight)
+    found[1:] /= scale ** (np.array(orders) - 1.0)
+    found[0] += phase[0]
+    return found
+
+
+def _weighted(columns: list[Array], values: Array, weight: Array) -> Array:
+    """Return the coefficients (p,) of weighted least squares; the least ones where two columns are one."""
+    design = np.column_stack(columns) * weight[:, None]
+    size = np.linalg.norm(design, axis=0) + 1e-300
+    return np.asarray(np.linalg.lstsq(design / size, values * weight, rcond=1e-7)[0] / size)
 
 
 def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
