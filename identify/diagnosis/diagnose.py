@@ -391,5 +391,4 @@ def _next_experiment(
 
 
 def _confirming(suspect: Suspect) -> str:
-    test = suspect.effect.confirming_test
-    return f"{test[0].upper()}{test[1:]}."
+    return f"{sentence_case(suspect.effect.confirming_test)}."

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from identify.diagnosis.diagnose import Diagnosis
-from identify.formatting import among, plain_name, two_figures
+from identify.formatting import among, plain_name, sentence_case, two_figures
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
 from identify.planning.next_release import Limits, NextRelease, amplitude_words
@@ -185,8 +185,7 @@ def _reach(found: Diagnosis) -> float:
 
 
 def _named(effects: tuple[str, ...]) -> str:
-    names = among([plain_name(name) for name in effects])
-    return names[:1].upper() + names[1:]
+    return sentence_case(among([plain_name(name) for name in effects]))
 
 
 def _largest(found: Diagnosis, limits: Limits) -> Experiment:

@@ -12,7 +12,7 @@ from identify.fitting.corrected_faults import corrected_faults, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.model_error import ModelError, errors_of
 from identify.fitting.segments import segments_of
-from identify.formatting import three_figures
+from identify.formatting import sentence_case, three_figures
 from identify.free_decay import FreeDecay
 from identify.judging.suspect import Suspect
 from identify.judging.suspects import candidate_terms, try_terms
@@ -86,9 +86,7 @@ class Ladder(Summarised):
             )
             for step in self.steps
         ]
-        reason = (
-            f"{self.stopped_because[:1].upper()}{self.stopped_because[1:]}." if self.stopped_because else ""
-        )
+        reason = f"{sentence_case(self.stopped_because)}." if self.stopped_because else ""
         return Summary(
             f"Ladder: {' + '.join(self.top.effects)}",
             (reason,),

@@ -18,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array
+from identify.formatting import sentence_case
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.preprocessing.usable import floor_of
@@ -87,8 +88,7 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
         words.append(
             f"long records are fitted in pieces, {len(cut)} here, of {100.0 * share:.3g} % of their motion"
         )
-    sentence = "; ".join(words)
-    return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
+    return f"{sentence_case('; '.join(words))}." if words else ""
 
 
 def part_of(prepared: PreparedDecay, samples: slice) -> PreparedDecay:

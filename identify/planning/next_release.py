@@ -8,7 +8,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
-from identify.formatting import odds_words
+from identify.formatting import odds_words, sentence_case
 from identify.planning.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence, refitted
 from identify.planning.experiment import Experiment, signed_amplitude
 from identify.planning.hypotheses import Hypothesis, odds
@@ -105,16 +105,14 @@ class NextRelease:
             why = f"No release within the limits distinguishes {one} from {other}: odds of {best} at best."
             if self.instead is None:
                 return why
-            does = _capital(self._do(self.instead.experiment))
+            does = sentence_case(self._do(self.instead.experiment))
             return f"{why} {does} could, with odds of {odds_words(self.instead.nats)}."
         does = (
             f"It would show a force that can still hide, such as {one},"
             if self.hidden
             else f"It should distinguish {one} from {other}"
         )
-        sentence = (
-            f"{_capital(self._do(self.best.experiment))}. {does} with odds of {odds_words(self.best.nats)}."
-        )
+        sentence = f"{sentence_case(self._do(self.best.experiment))}. {does} with odds of {odds_words(self.best.nats)}."
         if self.same is None or self.same.nats >= min(0.5 * self.best.nats, DECIDES):
             return sentence
         return f"{sentence} The same amplitude again would give odds of {odds_words(self.same.nats)}."
@@ -341,7 +339,3 @@ def _changes(best: Experiment, last: PreparedDecay) -> list[Experiment]:
     sensor = _SENSORS[last.window.channels[0]]
     more = [replace(best, sensor=sensor)] if sensor not in last.window.channels else []
     return [replace(best, heavier=_ADDED_MASS), *more]
-
-
-def _capital(sentence: str) -> str:
-    return sentence[:1].upper() + sentence[1:]
