@@ -47,7 +47,7 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
             continue
         sides = _off_line(readings, first, length), _off_line(readings[::-1], n - stop, length)
         lost[first:stop] = min(sides) > limit
-    return lost | _spikes(readings, sigma)
+    return lost | single_spikes(readings, sigma)
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
@@ -77,7 +77,7 @@ def _amplified(length: int) -> float:
     return float(spread[0] / spread[1])
 
 
-def _spikes(readings: Array, sigma: float) -> Mask:
+def single_spikes(readings: Array, sigma: float) -> Mask:
     """Return single readings that the cubic through their four neighbours misses by far.
 
     The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.

@@ -16,6 +16,7 @@ from identify.preprocessing.bursts import (
     find_bursts,
     unfree_runs,
 )
+from identify.preprocessing.lost_readings import single_spikes
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
 from identify.preprocessing.sampling import LONG_GAP, too_coarse
@@ -118,24 +119,10 @@ def _channels(decay: FreeDecay) -> list[Channel]:
     channels = []
     for name, values in decay.channels.items():
         known = np.isfinite(values) if decay.valid is None else np.isfinite(values) & decay.valid
-        clean = _without_spikes(bridge(values, known))
+        whole = bridge(values, known)
+        clean = bridge(whole, ~single_spikes(whole, floor_above_motion(whole, known).std))
         channels.append(Channel(clean, CHANNELS.index(name), floor_above_motion(clean, known).std, ~known))
     return channels
-
-
-def _without_spikes(values: Array) -> Array:
-    """Replace single samples far off the cubic through their neighbours.
-
-    A spike of height s puts its neighbours off by 2 s/3, a jump puts the samples on either side off equally: it stays.
-    """
-    if len(values) < 16:
-        return values
-    padded = np.pad(values, 2, mode="edge")
-    cubic = np.correlate(padded, np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0, "valid")
-    off = np.abs(values - cubic)
-    beside = np.maximum(np.pad(off[1:], (0, 1)), np.pad(off[:-1], (1, 0)))
-    spike = (off > 1.25 * beside) & (off > 12.0 * float(np.median(off)) + 0.03 * float(np.ptp(values)))
-    return np.where(spike, cubic, values)
 
 
 def _no_ringing(lead: Channel, frequency: float, period: float) -> str:
