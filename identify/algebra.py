@@ -1,13 +1,9 @@
-"""Solvers for banded and bounded systems, without the third of a second that loading `scipy` takes."""
-
-from itertools import combinations, product
+"""Solvers for banded systems, without the third of a second that loading `scipy` takes."""
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.compilation import compiled
-
-_ROUNDING = 1e-12
 
 
 def banded_cholesky(band: Array) -> Array:
@@ -36,29 +32,6 @@ def solve_banded(band: Array, values: Array) -> Array:
 def recursion(x: Array, keep: float) -> Array:
     """Return y with y[i] = x[i] + keep y[i - 1] along the first axis, y of the shape of x, (n, ...); 0 <= keep < 1."""
     return whiten(np.repeat([[1.0], [-keep]], len(x), axis=1), x)
-
-
-def bounded_least_squares(design: Array, right: Array, low: Array, high: Array) -> Array:
-    """Return the x (n,) within `low` and `high` (n,) that makes `design` (m, n) x as near to `right` (m,) as it can be.
-
-    Of all choices of unknowns that are held at a bound it is the one of which none wants to leave its bound inwards
-    (Karush, Kuhn and Tucker); those that hold few are tried first.
-    """
-    ends = [[end for end in pair if np.isfinite(end)] for pair in zip(low, high, strict=True)]
-    bounded = [i for i, found in enumerate(ends) if found]
-    x = np.clip(np.zeros(len(low)), low, high)
-    slack = _ROUNDING * np.linalg.norm(right) * np.linalg.norm(design, axis=0)
-    for held in (list(some) for count in range(len(bounded) + 1) for some in combinations(bounded, count)):
-        free = [i for i in range(len(low)) if i not in held]
-        for values in product(*(ends[i] for i in held)):
-            x[held] = values
-            left = right - design[:, held] @ x[held]
-            x[free] = np.linalg.lstsq(design[:, free], left, rcond=-1)[0]
-            inwards = design.T @ (right - design @ x)
-            stays = ((x > low) | (inwards <= slack)) & ((x < high) | (inwards >= -slack))
-            if np.all((x >= low) & (x <= high)) and np.all(stays[held]):
-                return x
-    return np.clip(x, low, high)
 
 
 def _solved(factor: Array, values: Array, *, back: bool) -> Array:

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from identify.algebra import bounded_least_squares
 from identify.arrays import Array
 from identify.effects.effect import Scales, Starts, with_midpoints
 from identify.model.measured_path import force_along
@@ -98,9 +97,15 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
     if not len(design) or not np.isfinite(size).all():  # nothing moves, or a state diverged
         return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
     size[size == 0.0] = 1.0
-    triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
-    found = bounded_least_squares(triangle[:, :-1], triangle[:, -1], low * size, high * size)
-    return np.asarray((found / size)[: len(model.forces)])
+    found, free = np.zeros(design.shape[1]), np.ones(design.shape[1], dtype=bool)
+    while free.any():
+        left = restoring - design[:, ~free] @ found[~free]
+        found[free] = np.linalg.lstsq((design / size)[:, free], left, rcond=None)[0] / size[free]
+        out = free & ((found < low) | (found > high))
+        if not out.any():
+            break
+        found, free = np.clip(found, low, high), free & ~out
+    return found[: len(model.forces)]
 
 
 def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tuple[Array, Array]:

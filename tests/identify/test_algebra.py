@@ -1,13 +1,11 @@
-"""Banded and bounded systems, against dense algebra and against scipy."""
+"""Banded systems, against dense algebra and against scipy."""
 
 import numpy as np
 import pytest
 from scipy import linalg
-from scipy.optimize import lsq_linear
 
 from identify.algebra import (
     banded_cholesky,
-    bounded_least_squares,
     recursion,
     solve_banded,
     whiten,
@@ -38,13 +36,3 @@ def test_banded_systems_are_solved_as_dense_ones(width, n):
 def test_a_matrix_that_is_not_positive_definite_has_no_factor():
     with pytest.raises(np.linalg.LinAlgError):
         banded_cholesky(np.array([[1.0, 1.0], [2.0, 0.0]]))
-
-
-@pytest.mark.parametrize("seed", range(30))
-def test_bounded_least_squares_are_those_of_scipy(seed):
-    random = np.random.default_rng(seed)
-    design, right = random.normal(size=(9, 6)), random.normal(size=9)
-    low = np.array([0.0, 0.0, 0.0, -np.inf, -0.1, 0.2])
-    high = np.array([np.inf, np.inf, 0.1, 0.0, 0.1, np.inf])
-    expected = lsq_linear(design, right, (low, high), method="bvls", tol=1e-14).x
-    assert np.allclose(bounded_least_squares(design, right, low, high), expected, atol=1e-9)
