@@ -28,7 +28,6 @@ from identify.signal.weak_form import (
 )
 
 _MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
-_SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more would throw the resonance away
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +116,8 @@ def fit_orders(
     band = _covariance(window, windows, mu_1, k_1)
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, motion.noise_velocity)
     found = rows(direction)
-    best = _solved(found, factor_of(band), max(max_order, 1), len(others))
-    misfit = best.chi_square > _MISFIT
-    if misfit:
-        band = band + _equation_error(windows, found, band, max(max_order, 1), len(others))
     factor = factor_of(band)
+    misfit = _solved(found, factor, max(max_order, 1), len(others)).chi_square > _MISFIT
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
     # all reversals too late by one time: small, but no number of cycles averages it out
     late = Direction(
@@ -137,24 +133,6 @@ def _without_viscous(dry: ForceFit, usual: ForceFit) -> ForceFit:
     kept = [i for i in range(len(usual.covariance)) if i != 1]
     changed = usual.solution.values[kept] - dry.solution.values
     return replace(dry, covariance=usual.covariance[np.ix_(kept, kept)] + np.outer(changed, changed))
-
-
-def _equation_error(windows: Windows, rows: Array, band: Array, order: int, others: int) -> Array:
-    """Covariance of the rows for a white force that the equation lacks, as strong as is most likely.
-
-    Without it, rows that noise hardly touches may be believed beyond what the model can say; how much of what is
-    left is noise of the channels, larger than was measured, and how much a force, the rows themselves tell.
-    """
-    white = band_of(windows, windows.derivative(0), np.ones_like)
-    unit = float(np.mean(band[0]) / np.mean(white[0]))
-    best, unlikely = 0.0, np.inf
-    for share in _SHARES:
-        factor = factor_of(band + share * unit * white)
-        left = _solved(rows, factor, order, others).chi_square
-        this = len(rows) * np.log(left) + 2 * float(np.sum(np.log(factor[0])))
-        if this < unlikely:
-            best, unlikely = share, this
-    return np.asarray(best * unit * white)
 
 
 def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares:
