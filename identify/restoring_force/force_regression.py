@@ -24,7 +24,6 @@ from identify.signal.weak_form import (
     factor_of,
     rows_of,
     solve,
-    widened,
 )
 
 _MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
@@ -154,8 +153,6 @@ def _fit(
     shift = solution.gain @ common
     covariance = covariance + shift @ shift.T
     clear = abs(float(solution.values[order])) / float(np.sqrt(covariance[order, order]))
-    if misfit:
-        covariance = widened(covariance, solution)
     stiffness = {
         j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)
     }

@@ -10,7 +10,6 @@ frequency; the covariance of the rows follows, and is banded.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy import fft
@@ -109,13 +108,11 @@ def band_of(windows: Windows, kernel: Complex, spectrum: Callable[[Array], Array
 class LeastSquares:
     """Solution of weighted rows.
 
-    `values` (p,) with their `covariance` (p, p); `design` (2w, p) are the whitened rows, `gain` (p, 2w)
-    carries whitened rows into the values; `white` (2w,) are the whitened residuals and `chi_square` their mean
-    square over the degrees of freedom.
+    `values` (p,) with their `covariance` (p, p); `gain` (p, 2w) carries whitened rows into the values; `white` (2w,) are
+    the whitened residuals and `chi_square` their mean square over the degrees of freedom.
     """
 
     values: Array
-    design: Array
     gain: Array
     covariance: Array
     white: Array
@@ -136,26 +133,4 @@ def solve(white: Array, right: Array) -> LeastSquares:
     values = inverse @ right
     residual = right - white @ values
     degrees = max(1, len(right) - white.shape[1])
-    return LeastSquares(
-        values, white, inverse, inverse @ inverse.T, residual, float(residual @ residual) / degrees
-    )
-
-
-def widened(covariance: Array, solution: LeastSquares) -> Array:
-    """Return `covariance` (p, p) raised to what the solution does when one stretch of the record is left out.
-
-    The jackknife over six stretches: a model that fails differently at large and at small amplitudes shows
-    it there, however smooth its residual.
-    """
-    rows = len(solution.white)
-    edges = np.linspace(0, rows, 7).astype(int)
-    moves = []
-    for a, b in pairwise(edges):
-        share = solution.gain[:, a:b] @ solution.design[a:b]  # of the solution that these rows hold
-        moves.append(
-            -np.linalg.pinv(np.eye(len(share)) - share) @ solution.gain[:, a:b] @ solution.white[a:b]
-        )
-    spread = np.sqrt(5 / 6 * np.sum((np.array(moves) - np.mean(moves, axis=0)) ** 2, axis=0))
-    stated = np.sqrt(np.diag(covariance)) + 1e-300
-    raised = np.maximum(1.0, spread / stated)
-    return np.asarray(covariance * np.outer(raised, raised))
+    return LeastSquares(values, inverse, inverse @ inverse.T, residual, float(residual @ residual) / degrees)
