@@ -53,11 +53,6 @@ class RidgeFit:
         return len(self.theta) - len(self.orders) - 3
 
     @property
-    def model(self) -> Orders:
-        """The order of damping and those of stiffness."""
-        return self.order, self.orders
-
-    @property
     def slopes(self) -> Array:
         """What the backbone w = w_1 + w_3 k^2 + ... consists of, (orders,)."""
         return self.theta[-len(self.orders) :]
