@@ -16,7 +16,7 @@ from identify.restoring_force.velocity_sign import (
     refine_reversals,
     rows_of_sign,
 )
-from identify.signal.covariance import correlated_covariance, misfit_covariance
+from identify.signal.covariance import misfit_covariance
 from identify.signal.weak_form import (
     LeastSquares,
     Windows,
@@ -25,8 +25,6 @@ from identify.signal.weak_form import (
     rows_of,
     solve,
 )
-
-_MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,14 +114,13 @@ def fit_orders(
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, motion.noise_velocity)
     found = rows(direction)
     factor = factor_of(band)
-    misfit = _solved(found, factor, max(max_order, 1), len(others)).chi_square > _MISFIT
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
     # all reversals too late by one time: small, but no number of cycles averages it out
     late = Direction(
         direction.before, np.where(direction.at < 1, direction.at - window.late * motion.rate, 1.0)
     )
     common = whiten(factor, mu_0 * (rows_of_sign(windows, late) - found[:, 0])[:, None])
-    fits = [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+    fits = [_fit(solution, common, stiffness_orders, unknown_mass) for solution in solutions]
     return [_without_viscous(*fits[:2]), *fits[1:]] if max_order else fits
 
 
@@ -141,17 +138,14 @@ def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares
 
 
 def _fit(
-    solution: LeastSquares, common: Array, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool
+    solution: LeastSquares, common: Array, stiffness_orders: tuple[int, ...], unknown_mass: bool
 ) -> ForceFit:
     order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
     residual = solution.white.reshape(-1, 2).T.ravel()
     gain = solution.gain.reshape(len(solution.gain), -1, 2).swapaxes(1, 2).reshape(len(solution.gain), -1)
-    if misfit:
-        covariance = correlated_covariance(residual, gain, len(residual), len(gain))
-    else:
-        covariance = solution.covariance + misfit_covariance(residual, gain, len(residual), len(gain))
     shift = solution.gain @ common
-    covariance = covariance + shift @ shift.T
+    covariance = solution.covariance + shift @ shift.T
+    covariance += misfit_covariance(residual, gain, len(residual), len(gain))
     clear = abs(float(solution.values[order])) / float(np.sqrt(covariance[order, order]))
     stiffness = {
         j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)

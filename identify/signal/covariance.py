@@ -15,20 +15,13 @@ def misfit_covariance(residual: Array, gain: Array, independent: float, paramete
     `gain` (p, m) carries the observations, in the same measure, into the parameters asked for, of
     `parameters` fitted in all;
     `independent` is the number of independent observations among the m under noise alone. A misfit is
-    correlated over longer stretches than noise: its length is read off its own autocorrelation.
+    correlated over longer stretches than noise: its length is read off its own autocorrelation, which is taken to fall off
+    exponentially.
     """
     free = max(1.0, independent - parameters)
     ratio = float(np.mean(residual**2)) * independent / free
     if ratio <= 1 + _SURE * np.sqrt(2 / free):
         return np.zeros((len(gain), len(gain)))
-    return correlated_covariance(residual, gain, independent, parameters)
-
-
-def correlated_covariance(residual: Array, gain: Array, independent: float, parameters: int) -> Array:
-    """Return the covariance that a residual as large and as long as this one gives to the parameters, (p, p).
-
-    Arguments as in `misfit_covariance`. The residual's correlation is taken to fall off exponentially.
-    """
     centred = residual - np.mean(residual)
     m = len(centred)
     spectrum = np.abs(np.fft.rfft(centred, 2 * m)) ** 2
