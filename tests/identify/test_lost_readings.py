@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 
+from identify.free_decay import FreeDecay
 from identify.preprocessing.lost_readings import find_lost_readings
+from identify.restoring_force.restoring_force import identify_restoring_force
 from mocks.generate import draw
 
 RATE = 256.0
@@ -72,3 +74,14 @@ def test_the_jump_of_dry_friction_in_coarse_steps_is_no_dropout():
         )
         free = int((sample.truth["released_at_s"] + 0.05) * sample.rate)
         assert not find_lost_readings(sample.acceleration, 0.04)[free:].any()
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_short_bursts_far_off_leave_the_damping_as_sure_as_without_them(seed):
+    reading, random = decay(5e-6, seed), np.random.default_rng(seed)
+    for at in (300, 800, 1400):
+        burst = random.integers(3, 6)
+        reading[at : at + burst] += 0.004 * random.choice([-1, 1], burst)
+    viscous = identify_restoring_force(FreeDecay(RATE, reading)).damping[1]
+    assert viscous.std < 1e-3
+    assert viscous.value == pytest.approx(0.6, abs=5 * viscous.std)
