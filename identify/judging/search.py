@@ -23,12 +23,6 @@ _FITTED = 6
 _INDEPENDENT = 1e-6
 """Share of a column that the model and the other column must leave free."""
 
-_TIMES_LEAST = 4.0
-"""Times as much as the best triple may leave of the restoring force."""
-
-_THIRD_HELPS = 0.95
-"""Share of what the best pair leaves that a triple must fall below."""
-
 
 @dataclass(frozen=True, eq=False)
 class Begun:
@@ -83,9 +77,7 @@ def promising_sets(
 ) -> tuple[list[tuple[Begun, ...]], list[tuple[Begun, ...]]]:
     """Find the pairs and the triples of forces that leave the least of the restoring force, the best first.
 
-    Each effect is tried at all starting values of its inner parameters; strengths are free, of either sign. Only those
-    triples are returned that leave at most some times as much as the best, and none where even that leaves little less than
-    the best pair: there a third effect has nothing to explain.
+    Each effect is tried at all starting values of its inner parameters; strengths are free, of either sign.
     """
     columns = _free_columns(prepared, model, terms, scales)
     if columns is None:
@@ -101,10 +93,7 @@ def promising_sets(
     two, three = of_effects.copy(), of_effects
     two[:, :, :-1] = np.inf
     three[:, :, -1] = three[:, -1, :] = np.inf
-    most = _TIMES_LEAST * float(three.min())
-    if not three.min() < _THIRD_HELPS * two.min():
-        most = -np.inf
-    return _least(columns, effect, two, np.inf), _least(columns, effect, three, most)
+    return _least(columns, effect, two), _least(columns, effect, three)
 
 
 def _of_different(left: Array, effect: NDArray[np.int64], i: int) -> Array:
@@ -114,15 +103,15 @@ def _of_different(left: Array, effect: NDArray[np.int64], i: int) -> Array:
     return np.where(alike | own[:, None] | own, np.inf, left)
 
 
-def _least(columns: _Columns, effect: NDArray[np.int64], left: Array, most: float) -> list[tuple[Begun, ...]]:
-    """Select the few sets of effects that leave the least, and at most so much, each with its columns.
+def _least(columns: _Columns, effect: NDArray[np.int64], left: Array) -> list[tuple[Begun, ...]]:
+    """Select the few sets of effects that leave the least, each with its columns.
 
     `left` (columns, effects, effects) is what each column leaves with the best columns of two effects.
     """
     found: dict[frozenset[int], tuple[Begun, ...]] = {}
     for at in np.argsort(left, axis=None):
         i, m, n = (int(place) for place in np.unravel_index(at, left.shape))
-        if len(found) == _FITTED or not left[i, m, n] <= min(most, np.finfo(float).max):
+        if len(found) == _FITTED or not np.isfinite(left[i, m, n]):
             break
         key = frozenset((int(effect[i]), m, n))
         if key not in found:

@@ -21,10 +21,6 @@ def test_three_effects_lead_the_screening_though_pairs_of_them_do_not():
     assert {begun.name for begun in screened(THREE)[0]} == set(THREE.split("+"))
 
 
-def test_where_two_effects_are_hidden_no_third_has_anything_to_explain():
-    assert screened("cubic_stiffness+quadratic_damping") == []
-
-
 @pytest.mark.slow
 def test_three_effects_at_once_are_named_and_nothing_else():
     found = diagnosed(drawn(THREE, 0.02, 71, amplitude=0.02)[0])
