@@ -99,10 +99,10 @@ class NextRelease:
         """What to do, and what it is expected to show."""
         one, other = self.between
         if not self.tells_more and self.hidden:
-            return "No release within the limits would show much more of a hidden force than the same release again."
+            return "No release helps: none within the limits shows much more of a hidden force than the same one again."
         if not self.tells_more:
             best = odds_words(self.best.nats)
-            why = f"No release within the limits distinguishes {one} from {other}: odds of {best} at best."
+            why = f"No release helps: none within the limits distinguishes {one} from {other} (odds of {best} at best)."
             if self.instead is None:
                 return why
             does = sentence_case(self._do(self.instead.experiment))

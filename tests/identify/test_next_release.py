@@ -183,7 +183,7 @@ def test_of_two_names_of_one_law_no_release_tells_which():
     chosen = found.next_within(LIMITS)
     assert not chosen.tells_more
     assert chosen.best.nats < RIVALS_WITHIN
-    assert chosen.words.startswith("No release within the limits distinguishes ")
+    assert chosen.words.startswith("No release helps: none within the limits distinguishes ")
 
 
 def test_odds_agree_with_the_verdict(small_cubic):
