@@ -7,6 +7,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.effect import Scales
+from identify.effects.force_effect import LinearPart
 from identify.fitting.corrected_faults import FEWEST_LOST, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
@@ -230,8 +231,9 @@ def fit_baseline(
 
 def _linear_oscillator(model: Model, frequency: float) -> dict[str, float]:
     """Return the strengths of a model that is a spring with 1 % of the critical damping, at a frequency (rad/s)."""
-    strengths = {"linear_stiffness": frequency**2, "viscous_damping": 0.02 * frequency}
-    return {str(term.strength): strengths.get(term.effect.name, 0.0) for term in model.forces}
+    parts = {LinearPart.STIFFNESS: frequency**2, LinearPart.DAMPING: 0.02 * frequency}
+    strengths = ((term.strength, term.force.linear_part) for term in model.forces)
+    return {str(strength): 0.0 if part is None else parts.get(part, 0.0) for strength, part in strengths}
 
 
 def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
