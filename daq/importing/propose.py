@@ -138,11 +138,12 @@ def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _R
     only = columns.get("displacement") if columns.keys() <= {"time", "displacement"} else None
     if only is not None and options.columns and meaning(only.label, only.unit).quantity is None:
         default = default or "counts"  # nothing but an option says what it is
+    far = ""
     if not default and "displacement" in columns and "displacement" not in options.units:
         far = too_far(columns["displacement"])
-        default = "counts" if far else ""
         doubts += filter(None, [far])
-    units = {q: unit_of(table, q, columns[q], options, default, notes) for q in ORDER if q in columns}
+    default_of = dict.fromkeys(columns, default) | ({"displacement": "counts"} if far else {})
+    units = {q: unit_of(table, q, columns[q], options, default_of[q], notes) for q in ORDER if q in columns}
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
         if options.rate is not None:
