@@ -3,13 +3,14 @@
 from datetime import UTC
 
 from identify.fitting.fit import Fit
-from identify.formatting import DASH, among, decimals_for, plain_name, three_figures, with_error
+from identify.formatting import DASH, decimals_for, plain_name, three_figures, with_error
 from identify.residual import residual_words
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.engineering_values import budget, engineering_values
 from station.story.preparation import calibration_of
 from station.text.content import Figure, Paragraph, Part, Table, Told, facts
+from station.text.diagnosis_text import verdict_line
 from station.text.identification_text import mass_words
 from station.text.layout import sentence
 from station.text.numbers import typeset_unit
@@ -101,8 +102,7 @@ def _nothing_explains(found: Findings) -> str:
         return f"no value may be quoted: {judgement(own) if own is not None else reason}"
     words = f"no value may be quoted: {current.words} leaves {current.left}"
     if diagnosis is not None and diagnosis.named and diagnosis.is_of(current.baseline.fit.model.names):
-        named = among([plain_name(name) for name in diagnosis.named])
-        return f"{words}. The missing effect is {named}: add it, and write the report again"
+        return f"{words}. {verdict_line(diagnosis)}. Add what is named, and write the report again"
     return words
 
 

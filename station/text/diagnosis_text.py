@@ -41,19 +41,25 @@ DECIDED = {
 }
 
 
-def headline(document: DiagnosisDocument) -> str:
+def verdict_line(document: DiagnosisDocument) -> str:
     """Write the verdict in one line, a single name with what is plausible and not distinguishable from it."""
     found = document.confirmation
     names = [plain_name(name) for name in document.named]
     kinds = {one.effect: one.kind for one in document.suspects if one.plausible}
     alike = [rival for rival in document.rivals if rival in kinds] if len(names) == 1 else []
     weighed = [kinds[name] for name in (*document.named[:1], *alike) if name in kinds]
-    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided), kinds=weighed).upper()
+    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided), kinds=weighed)
     if not names:
         return verdict
     if len(alike) > MOST_RIVALS:
         return f"{verdict}: {names[0]}, or one of {len(alike)} others"
     return f"{verdict}: {among([*names, *map(plain_name, alike)], 'or' if alike else 'and')}"
+
+
+def headline(document: DiagnosisDocument) -> str:
+    """Write the same as a headline, the verdict in capitals."""
+    verdict, colon, names = verdict_line(document).partition(":")
+    return f"{verdict.upper()}{colon}{names}"
 
 
 def tone_of(document: DiagnosisDocument) -> Tone:

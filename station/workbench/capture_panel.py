@@ -10,12 +10,13 @@ from nicegui import ui
 
 from daq.capture import CaptureSettings
 from daq.errors import StationError
+from identify.formatting import sentence_case
 from station.exits import Problem
 from station.operations.new_session import capture_settings, new_folder
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.capture_run import CaptureRun, Progress, mystery
-from station.workbench.parts import begun, part
+from station.workbench.parts import part
 from station.workbench.session_list import address_of
 from station.workbench.session_state import AppState
 
@@ -178,7 +179,7 @@ class ScopePanel:
         self._statement.props["data-kind"] = KINDS.get(now.state, "film")
         left = now.scope.left_s
         self._count.text = "" if left is None else f"{left:.1f} s"
-        self._what.text = begun(now.sentence)
+        self._what.text = sentence_case(now.sentence)
         lost = f" {now.lost} samples lost so far; they are asked for again." if now.lost else ""
         self._more.text = f"{now.detail}{lost}"
         self._levels.content = part("levels", now.levels)

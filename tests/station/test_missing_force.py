@@ -4,6 +4,7 @@ import io
 import json
 import re
 import shutil
+from types import SimpleNamespace
 
 import pytest
 from hidden import DRIFT, DUFFING, NOTHING, TRUTH
@@ -18,6 +19,7 @@ from station.story.engineering_values import UNKNOWN
 from station.text import diagnosis_text, ladder_text
 from station.text.layout import show
 from station.text.numbers import change, probability
+from station.workbench.parts import part
 
 VERDICTS = (
     "missing_effect",
@@ -97,7 +99,10 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
         ([forces[0], sensor], f"{either}: cubic stiffness, {plain_name(forces[0])} or {plain_name(sensor)}"),
         (forces, f"{missing}: cubic stiffness, or one of 4 others"),
     ):
-        assert diagnosis_text.headline(document.model_copy(update={"rivals": rivals})) == said
+        found = document.model_copy(update={"rivals": rivals})
+        assert diagnosis_text.headline(found) == said
+        on_the_page = part("verdict", SimpleNamespace(at_floor=False), found).strip()
+        assert on_the_page.upper() == f"{said}.".upper()
     text = printed(diagnosis_text.told(document, UNKNOWN, full=True), full=True)
     assert all(len(line) <= 80 for line in (*short, *text.splitlines()))
     assert re.search(r" used +0\.\d+ to \d\.\d+ of 8\.75 s, ", text)

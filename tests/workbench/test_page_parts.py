@@ -12,7 +12,7 @@ from daq.errors import DataLost, OperatorError
 from daq.recording import Channel
 from daq.session import Session, list_sessions
 from identify.effects.library import LIBRARY, find_effect
-from identify.formatting import plain_name
+from identify.formatting import plain_name, sentence_case
 from identify.model.model import Model, Term
 from identify.residual import explained_words
 from station.exits import UsageProblem
@@ -22,7 +22,6 @@ from station.story.pipeline import silent
 from station.workbench import session_menu
 from station.workbench.capture_run import ScopeObserver
 from station.workbench.opened_session import open_session
-from station.workbench.parts import begun
 from station.workbench.session_list import outline
 from station.workbench.statements import says_of
 from station.workbench.tasks import look
@@ -48,7 +47,7 @@ def test_a_suspect_is_said_to_explain_a_share_of_what_is_above_the_noise(before,
 
 def test_an_effect_is_found_by_the_name_on_its_card():
     for effect in LIBRARY:
-        assert find_effect(begun(plain_name(effect.name))) is effect
+        assert find_effect(sentence_case(plain_name(effect.name))) is effect
 
 
 @pytest.fixture
