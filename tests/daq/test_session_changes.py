@@ -34,6 +34,14 @@ def session(tmp_path: Path) -> Session:
     return made
 
 
+def change_cut_off(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Begin to write the new results, and stop before the first of them is in its place."""
+    with monkeypatch.context() as patched:
+        patched.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            session.write_results(NEW)
+
+
 def kept(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (folder / "results").iterdir()}
 
@@ -108,10 +116,7 @@ def test_a_change_that_is_killed_at_any_call_is_whole_or_not_at_all(session: Ses
 def test_the_next_change_completes_one_that_was_cut_off(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
-    with pytest.raises(KeyboardInterrupt):
-        session.write_results(NEW)
-    monkeypatch.undo()
+    change_cut_off(session, monkeypatch)
     assert not verify(session.folder).ok
     Session.open(session.folder).write_result("more.json", "{}")
     assert verify(session.folder).ok
@@ -122,10 +127,7 @@ def test_the_next_change_completes_one_that_was_cut_off(
 def test_whoever_looks_waits_for_a_change_however_slow_the_other_process_is(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(manifest, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
-    with pytest.raises(KeyboardInterrupt):
-        session.write_results(NEW)
-    monkeypatch.undo()
+    change_cut_off(session, monkeypatch)
     found = list[Verification]()
     watcher = Thread(target=lambda: found.append(verify(session.folder)))
     with Lock(session.folder):
