@@ -3,7 +3,6 @@
 import numpy as np
 
 from identify.arrays import Array
-from identify.signal.oscillation import top_between
 
 
 def strongest_lines(
@@ -24,10 +23,14 @@ def strongest_lines(
     lines = []
     for _ in range(count):
         power = np.abs(np.fft.rfft(left * taper, size)) ** 2
-        at = int(np.argmax(np.where(allowed, power, 0.0)))
+        power[~allowed] = 0.0
+        at = int(np.argmax(power))
         if power[at] <= 0.0:
             break
-        f = top_between(power, at) * frequency[1]
+        f = frequency[at]
+        a, b, c = np.sqrt(power[at - 1 : at + 2])
+        bend = a - 2.0 * b + c
+        f += 0.5 * (a - c) / bend * (frequency[1] - frequency[0]) if bend < 0.0 else 0.0
         waves = np.column_stack([np.sin(2 * np.pi * f * clock), np.cos(2 * np.pi * f * clock)])
         sine, cosine = np.linalg.lstsq(waves * taper[:, None], left * taper, rcond=None)[0]
         left = left - waves @ np.array([sine, cosine])
