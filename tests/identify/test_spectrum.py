@@ -41,3 +41,13 @@ def test_the_floor_is_the_white_noise_within_its_stated_error_whatever_lies_belo
 
 def test_a_band_too_narrow_gives_no_floor():
     assert not np.isfinite(high_band_floor(np.ones(64), RATE, 120.0)[1])
+
+
+@pytest.mark.parametrize("seed", range(80, 90))
+def test_lines_of_a_residual_that_wanders_lie_in_the_band_that_is_looked_at(seed: int) -> None:
+    """Its power falls from below the band on: the first bin in it is the largest, and no peak."""
+    walk = np.cumsum(np.random.default_rng(seed).standard_normal(800))
+    lowest = 1.5 * 50.0 / 800
+    for frequency, amplitude, _ in strongest_lines(walk, 50.0, 0.0, 3):
+        assert 0.9 * lowest < frequency < 25.0
+        assert amplitude < np.ptp(walk)
