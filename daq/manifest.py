@@ -221,7 +221,8 @@ def verify(folder: Path) -> Verification:
     """Compare every file of a session with the manifest; finds one flipped bit anywhere.
 
     Plain files in `results` that the manifest does not know are remarks; elsewhere they are problems, as links,
-    pipes and devices are everywhere. A change by another process is waited for. Never raises for what is in the folder.
+    pipes and devices are everywhere. A change by another process is waited for, WAIT_S at most.
+    Never raises for what is in the folder.
     """
     found = _verify_once(folder)
     if found.ok or not os.path.lexists(folder / NAME):

@@ -18,7 +18,7 @@ from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.recipe import Column, Recipe, Role
 from daq.importing.runs import find_runs, of_each
 from daq.importing.table import SourceColumn, Table
-from daq.importing.unit_of_column import is_angle, too_far, unit_of, units_of_angles
+from daq.importing.unit_of_column import is_angle, swings, too_far, unit_of, unit_of_angle
 from daq.importing.units import SI_LINEAR, parse_scaled_unit
 from daq.plain_text import one_line
 
@@ -67,8 +67,8 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     """
     found = find_runs(table, options)
     chosen = _chosen(table, found, options)
-    turns = units_of_angles(chosen)
-    made, left = of_each(chosen, lambda run: _settled(run, options, turns))
+    widest = swings(chosen)
+    made, left = of_each(chosen, lambda run: _settled(run, options, widest))
     derived = {} if options.keep_derived else _derived(made, options)
     notes = {run.table.run: (*run.notes[len(table.notes) :], *_left_out(run, derived), *left) for run in made}
     made = [replace(run, fields=tuple(f for f in run.fields if f.role not in derived)) for run in made]
@@ -127,23 +127,24 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
     return tuple(fields)
 
 
-def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
-    """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
+def _settled(run: Table, options: ImportOptions, widest: Mapping[str, float]) -> _Run:
+    """Return the role of each column of a run; `widest` is how far columns swing in any run, by label."""
     table = with_angle(run, options)
     notes, doubts = list(table.notes), list(table.doubts)
     columns = choose_columns(table, options, notes, doubts)
-    label = columns["displacement"].label if "displacement" in columns else ""
-    assumed = options.units.get("displacement", turns.get(label, "rad"))
+    moved = columns.get("displacement")
+    far = 0.0 if moved is None else widest.get(moved.label, 0.0)
+    assumed = options.units.get("displacement", "rad" if moved is None else unit_of_angle(moved, far))
     default = assumed if is_angle(columns, options) else ""
-    only = columns.get("displacement") if columns.keys() <= {"time", "displacement"} else None
+    only = moved if columns.keys() <= {"time", "displacement"} else None
     if only is not None and options.columns and meaning(only.label, only.unit).quantity is None:
         default = default or "counts"  # nothing but an option says what it is
-    far = ""
-    if not default and "displacement" in columns and "displacement" not in options.units:
-        far = too_far(columns["displacement"])
-        doubts += filter(None, [far])
-    default_of = dict.fromkeys(columns, default) | ({"displacement": "counts"} if far else {})
-    units = {q: unit_of(table, q, columns[q], options, default_of[q], notes) for q in ORDER if q in columns}
+    beyond = "" if moved is None or default or "displacement" in options.units else too_far(moved, far)
+    doubts += filter(None, [beyond])
+    units = {}
+    for q in (q for q in ORDER if q in columns):
+        assumed = "counts" if beyond and q == "displacement" else default
+        units[q] = unit_of(table, q, columns[q], options, assumed, notes)
     columns = _of_one_kind(columns, units, options, notes, doubts)
     if "time" in columns:
         if options.rate is not None:

@@ -26,16 +26,21 @@ _EXAMPLES = {
 }  # fmt: skip
 
 
-def units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
-    """Return the unit of angles that name none by their labels, one for all runs of a file: deg or counts where one run
-    swings by more than half a turn in rad to either side, since few rigs do; others are in rad.
-    """
-    swings: dict[str, float] = {}
+def swings(tables: Sequence[Table]) -> dict[str, float]:
+    """Return how far columns swing to either side by their labels, the most of all runs of a file: these have one unit."""
+    found: dict[str, float] = {}
     for column in (c for table in tables for c in table.columns if c.bad is None):
-        said = column.said
-        if said.quantity == "displacement" and said.angular and said.unit is None:
-            swings[column.label] = max(swings.get(column.label, 0.0), _swing(column))
-    return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}
+        found[column.label] = max(found.get(column.label, 0.0), _swing(column))
+    return found
+
+
+def unit_of_angle(column: SourceColumn, far: float) -> str:
+    """Return the unit of an angle that swings so `far`: where it names none, deg or counts beyond half a turn in rad, since
+    few rigs swing so; others are in rad.
+    """
+    if not column.said.angular or column.said.unit is not None or far <= 0.5 * TURN:
+        return "rad"
+    return "deg" if far <= MOST_DEGREES else "counts"
 
 
 def _swing(column: SourceColumn) -> float:
@@ -53,14 +58,13 @@ def is_angle(columns: Mapping[str, SourceColumn], options: ImportOptions) -> boo
     return any(unit.angular for unit in known) if known else any(c.said.angular for c in columns.values())
 
 
-def too_far(column: SourceColumn) -> str:
-    """Return a sentence on a displacement that names no unit and swings by more than metres could, else ""."""
-    far = _swing(column)
+def too_far(column: SourceColumn, far: float) -> str:
+    """Return a sentence on a displacement that names no unit and swings so `far`, more than metres could, else ""."""
     if column.said.unit or far <= MOST_METRES:
         return ""
     return (
-        f"{column.place} names no unit and swings by {far:.3g} to either side, too far for metres, so they "
-        "would be counts; say its unit, as in --unit displacement=deg"
+        f"{column.place} names no unit and swings by {far:.3g} to either side, too far for metres, so its "
+        "numbers would be counts; say its unit, as in --unit displacement=deg"
     )
 
 

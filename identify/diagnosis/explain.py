@@ -1,5 +1,7 @@
 """The explanation of a verdict, in two sentences with numbers."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from identify.diagnosis.explain_prediction import (
@@ -7,6 +9,7 @@ from identify.diagnosis.explain_prediction import (
     explain_driven,
     explain_unconfirmed,
 )
+from identify.effects.effect import Kind
 from identify.effects.families import FAMILY_OF
 from identify.evidence import price
 from identify.fitting.baseline import Baseline
@@ -25,7 +28,7 @@ from identify.formatting import (
     two_figures,
 )
 from identify.judging.beside_walk import walk_sentence
-from identify.judging.suspect import Suspect
+from identify.judging.suspect import Suspect, kinds_alike
 from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
 from identify.residual import floor_words, share_explained, times
@@ -73,7 +76,7 @@ def explain(
         )
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
-    first = _named(baseline, top, judgement, settled)
+    first = _named(baseline, top, judgement, settled, kinds_alike(top, suspects))
     others = tuple(s for s in suspects[1:] if s.effect.name not in together)
     second = f"{_between(top)}{_alternatives(baseline, top, others)} It shows as: {top.effect.symptom}."
     if shape is not None and not baseline.adequate(settled.fit):
@@ -130,9 +133,13 @@ def _line_in_words(line: Suspect) -> str:
     return f"{what}: too small to be named."
 
 
-def _named(baseline: Baseline, top: Suspect, judgement: Judgement, settled: Baseline) -> str:
+def _named(
+    baseline: Baseline, top: Suspect, judgement: Judgement, settled: Baseline, kinds: Collection[Kind]
+) -> str:
     together = judgement.together
     cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
+    if len(kinds) > 1:
+        cause = "The best explanation is"
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)}"
     if not top.strength_known:
         what += " (this record does not determine its strength)"

@@ -219,9 +219,10 @@ def fit_baseline(
     windows = tuple(prepared.window for prepared in decays)
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
-    start = own_springs(decays, model, start) | start
     # By equation error the motion may run away, or friction may stop it too early: no step leads out of that.
-    starts = (start, start | _linear_oscillator(model, frequency))
+    starts = (
+        own_springs(decays, model, one) | one for one in (start, start | _linear_oscillator(model, frequency))
+    )
     found = min((fit(model, windows, one, frequency) for one in starts), key=lambda one: one.chi_square)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if mended != decays:

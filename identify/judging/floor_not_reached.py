@@ -155,9 +155,9 @@ def _by_free_run(
     """
     much, by_residual = baseline.fit.chi_square, sorted(ranked, key=lambda entry: entry.fit.chi_square)
     forces = [e for e in by_residual if _is_steady_force(e)]
-    oscillator = next((e for e in forces if e is by_residual[0] and e.term.force.proportional), None)
-    if beats and oscillator is not None and oscillator.fit.chi_square < _LINE_LEAVES * much:
-        return _singled_out(baseline, oscillator, (), ranked, found)
+    best = [e for e in by_residual[:1] if e in forces and e.term.force.proportional]
+    if beats and best and best[0].fit.chi_square < _LINE_LEAVES * much:
+        return _singled_out(baseline, best[0], (), ranked, found)
     laws = [e for e in forces if not e.term.force.proportional and e.term.effect not in FAMILY_OF]
     if baseline.floor_is_sure or not laws:
         return None

@@ -1,5 +1,6 @@
 """A suspect: one effect that a model may lack, with the evidence for it."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -69,3 +70,8 @@ class Suspect:
     def confusable_with(self) -> tuple[str, ...]:
         """Effects that this record does not distinguish from it, and effects that it is known to be mistaken for."""
         return (*self.rivals, *(name for name in self.effect.confusable_with if name not in self.rivals))
+
+
+def kinds_alike(top: Suspect, suspects: Collection[Suspect]) -> set[Kind]:
+    """Return the kinds of a suspect and of the plausible ones that are not distinguishable from it."""
+    return {one.kind for one in suspects if one is top or (one.plausible and one.effect.name in top.rivals)}

@@ -3,7 +3,7 @@
 from datetime import UTC
 
 from identify.fitting.fit import Fit
-from identify.formatting import DASH, decimals_for, plain_name, three_figures, with_error
+from identify.formatting import DASH, among, decimals_for, plain_name, three_figures, with_error
 from identify.residual import residual_words
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
@@ -16,6 +16,7 @@ from station.text.layout import sentence
 from station.text.numbers import typeset_unit
 from station.views.comparison_figures import front
 
+_NOISE = "so only noise remains"
 NOT_STATED, UNKNOWN = "not stated", "not determined"
 COVERS = (
     "Every error is one standard uncertainty. The error beside a value covers readings and clock. Calibration comes from "
@@ -81,13 +82,14 @@ def _explaining(found: Findings) -> tuple[Fit, str] | None:
         return _explained(current.words, judged.stated(judged.fit), current.left)
     if adequate is not None and adequate.adequate:
         left = residual_words(adequate.error.motion_percent, adequate.error.chi_square)
-        return _explained("the identified model", adequate.fit, left)
+        rest = "too little to name an effect by" if adequate.negligible else _NOISE
+        return _explained("the identified model", adequate.fit, left, rest)
     return None
 
 
-def _explained(words: str, fit: Fit, left: str) -> tuple[Fit, str]:
+def _explained(words: str, fit: Fit, left: str, rest: str = _NOISE) -> tuple[Fit, str]:
     names = " + ".join(plain_name(name) for name in fit.model.names)
-    said = f"{sentence(words).rstrip('.')} explains the measurement: {names}. Its residual is {left}, so only noise remains."
+    said = f"{sentence(words).rstrip('.')} explains the measurement: {names}. Its residual is {left}, {rest}."
     return fit, said
 
 
@@ -102,7 +104,8 @@ def _nothing_explains(found: Findings) -> str:
         return f"no value may be quoted: {judgement(own) if own is not None else reason}"
     words = f"no value may be quoted: {current.words} leaves {current.left}"
     if diagnosis is not None and diagnosis.named and diagnosis.is_of(current.baseline.fit.model.names):
-        return f"{words}. {verdict_line(diagnosis)}. Add what is named, and write the report again"
+        named = among([plain_name(name) for name in diagnosis.named])
+        return f"{words}. {verdict_line(diagnosis)}. Add {named}, and write the report again"
     return words
 
 

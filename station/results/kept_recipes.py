@@ -42,16 +42,18 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
         if table is None or not fits(table, recipe):
             continue
         kept = f"the recipe that was confirmed for {place.parent.name}"
-        said = f"read by {kept}, whose columns and units are the same ({place}); --recipe none reads the file without it"
+        without = f"({place}); --recipe none reads the file without it"
         if any(field.name for field in recipe.fields):
-            return Look(table, Proposal(recipe, {})), said
+            return Look(
+                table, Proposal(recipe, {})
+            ), f"read by {kept}, whose columns and units are the same {without}"
         doubt = (
             f"its columns have no names; it would be read by {kept} "
             "(--accept takes that, --recipe none reads the file without it)"
         )
         proposed = Look(table, Proposal(recipe, {}, (doubt,)))
         if _is_in_doubt(file) and _reads(proposed):
-            return proposed, said
+            return proposed, f"read by {kept} {without}"
     return look_at(file), ""
 
 
@@ -65,7 +67,8 @@ def _is_in_doubt(file: Path) -> bool:
 
 def _reads(look: Look) -> bool:
     with suppress(ImportProblem):
-        return bool(look.read(accept=True).recordings)
+        look.read(accept=True)
+        return True
     return False
 
 

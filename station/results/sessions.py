@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from glob import escape
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from daq.recording import Recording, cut
 from daq.sensor_faults import sensor_faults
 from daq.session import Session, verify
 from daq.session_info import SessionInfo
+from daq.session_reading import SOURCE
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
@@ -211,7 +213,9 @@ def _form(note: str) -> str:
 
 
 def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
-    stem = _stem(file)
+    stem = safe_name(
+        file.name if file.suffix[1:2].isdigit() else file.stem
+    )  # of run_0.900 all: a number is no ending
     name, number = stem, 1
     while (sessions / name).exists() or any((sessions / f"{name}{added}").exists() for added in names):
         number += 1
@@ -219,16 +223,11 @@ def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
     return name
 
 
-def _stem(file: Path) -> str:
-    """Return a file's name without its ending; of `run_0.900` all of it, for a number is no ending."""
-    return safe_name(file.name if file.suffix[1:2].isdigit() else file.stem)
-
-
 def made_of(file: Path, sessions: Path) -> list[Path]:
     """Return the sessions that were made of this very file."""
     content = file.read_bytes()
-    copies = ((folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{_stem(file)}*")))
-    return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
+    copies = sorted(sessions.glob(f"*/{SOURCE}/{escape(file.name)}"))
+    return [copy.parents[1] for copy in copies if copy.is_file() and copy.read_bytes() == content]
 
 
 def safe_name(name: str) -> str:

@@ -46,7 +46,7 @@ class Adequacy:
     `adequate` says whether the noise floor is reached or, where it is a guess, the residual is negligible. `apart` is the
     parameter in which two of the estimates (by the methods, by the simulation) are farthest apart, with the distance in
     standard errors `sigmas`. `doubt` is what its clock, its noise, the sign of its friction, or the verdict on the
-    recording holds against every value; "" for nothing.
+    recording holds against every value; "" for nothing. `negligible` says that the floor is not reached, and need not be.
     """
 
     fit: Fit
@@ -55,6 +55,7 @@ class Adequacy:
     apart: str = ""
     sigmas: float = 0.0
     doubt: str = ""
+    negligible: bool = False
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -111,8 +112,9 @@ def adequacy(prepared: PreparedDecay, methods: Sequence[Method], doubt: str = ""
     apart, sigmas = farthest(estimates)
     negative = any(method.damping[0].value < -_NEGATIVE * method.damping[0].std for method in methods)
     of_law = "its dry friction is below zero, so another law of damping must be at work" if negative else ""
-    adequate = baseline.at_floor or is_negligible(baseline)
-    return Adequacy(fit, error, adequate, apart, sigmas, doubt or of_clock or of_noise or of_law)
+    little = not baseline.at_floor and is_negligible(baseline)
+    doubts = doubt or of_clock or of_noise or of_law
+    return Adequacy(fit, error, baseline.at_floor or little, apart, sigmas, doubts, negligible=little)
 
 
 def _per_mass(method: Method) -> dict[str, Estimate]:
@@ -151,6 +153,8 @@ def judgement(found: Adequacy) -> str:
     error = found.error
     left = residual_words(error.motion_percent, error.chi_square, None if found.adequate else error.floor_std)
     words = f"the identified model leaves {left} (noise alone: {floor_words(error.floor_std)})"
+    if found.negligible:
+        words = f"{words}, too little to name an effect by"
     if found.quotable:
         return f"{words}: its values may be quoted"
     apart = f"{found.apart} are {found.sigmas:.0f} standard errors apart"

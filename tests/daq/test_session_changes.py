@@ -124,7 +124,7 @@ def test_the_next_change_completes_one_that_was_cut_off(
 
 
 @posix_only
-def test_whoever_looks_waits_for_a_change_however_slow_the_other_process_is(
+def test_whoever_looks_waits_for_a_change_of_another_process(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     change_cut_off(session, monkeypatch)

@@ -287,4 +287,5 @@ def test_a_residual_far_below_what_names_an_effect_is_adequate_above_a_guessed_f
     decay = FreeDecay(100.0, motion + 1e-8 * np.random.default_rng(1).standard_normal(1200))
     found = adequacy(prepare(decay), [identify_wavelet(decay), identify_restoring_force(decay)])
     assert found.error.chi_square > 100.0
-    assert found.adequate is adequate
+    assert found.adequate is found.negligible is adequate
+    assert ("too little to name an effect by" in judgement(found)) is adequate

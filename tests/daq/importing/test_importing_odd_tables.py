@@ -8,6 +8,7 @@ import pytest
 from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
 
 from daq.importing import ImportProblem, read_runs
+from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import look_at
 from daq.importing.recipe import Recipe
@@ -536,6 +537,15 @@ def test_a_column_named_for_a_quantity_that_holds_no_number_is_refused_by_its_na
     text = table("time,x,v", t, np.full(len(t), np.nan), v)
     told = refusal(tmp_path, text, columns={"displacement": "x"})
     assert "column 2 'x' holds no numbers; name another one" in told
+
+
+def test_runs_of_one_file_have_one_unit_though_only_one_swings_too_far_for_metres(tmp_path: Path) -> None:
+    t, u, _, _ = swing()
+    path = tmp_path / "runs.csv"
+    path.write_text(table("Time (s),x Run 1,x Run 2", t, 150.0 * u, 500.0 * u))
+    assert 150.0 * np.max(np.abs(u)) < 5.0 < 500.0 * np.max(np.abs(u))
+    runs = read_runs(path, ImportOptions(accept=True))
+    assert [run.channels[0].unit for run in runs] == ["count", "count"]
 
 
 def test_a_column_of_which_only_an_option_says_what_it_is_has_no_unit(tmp_path: Path) -> None:
