@@ -113,7 +113,13 @@ def _imported(
     meant = [file for file in files if form is None or form.said(file.name)]
     if not meant:
         raise UsageProblem(f"{folder}: no file in it{f' is of the form {names}' if names else ''}")
-    given = read_recipe(recipe) if recipe else asked(meant[0], ImportOptions()) if ask else None
+    given = (
+        read_recipe(recipe)
+        if recipe
+        else asked(meant[0], ImportOptions(), settings.sessions)
+        if ask
+        else None
+    )
     place = settings.sessions / (folder.resolve().name or "files")
     info = session_info(settings, varies=varies)
     try:

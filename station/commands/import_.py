@@ -98,7 +98,7 @@ def command(
     try:
         given = None if recipe in (None, NONE) else read_recipe(Path(recipe or ""))
         if ask:
-            given = asked(file, options)
+            given = asked(file, options, None if recipe == NONE else settings.sessions)
         imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:
         if not asked_for_json() and (proposed := getattr(refusal, "proposal", None)) is not None:

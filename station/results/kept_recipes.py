@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,11 +25,13 @@ NONE = "none"
 FIRST_ROWS = 4
 
 
-def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
+def look_with_kept(file: Path, sessions: Path, options: ImportOptions) -> tuple[Look, str]:
     """Return a file with the newest confirmed recipe in `sessions` that fits it, and a sentence on it; without any, with
     what is proposed. A file is known by the names of its columns and the units that it states; of one without names that
-    leaves a doubt the recipe is only proposed.
+    leaves a doubt the recipe is only proposed. With options that say how it is read no recipe is looked for.
     """
+    if replace(options, accept=False) != ImportOptions():
+        return look_at(file, options), ""
     tables: dict[str, Table | None] = {}
     for place, recipe in _confirmed(sessions):
         in_text = recipe.format in ("text", "serial", "json")
@@ -91,16 +94,17 @@ def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
     return list(found.values())
 
 
-def asked(file: Path, options: ImportOptions) -> Recipe:
+def asked(file: Path, options: ImportOptions, sessions: Path | None) -> Recipe:
     """Open the recipe that is proposed for a file in an editor, until the file can be read by it; return it.
 
-    Above it stand the columns with their first numbers. UsageProblem where the operator empties it, or without a terminal.
+    One that was kept in `sessions`, where they are given, is proposed first. Above it stand the columns with their first
+    numbers. UsageProblem where the operator empties it, or without a terminal.
     """
     if not sys.stdin.isatty():
         raise UsageProblem(
             "--ask needs a terminal; without one --accept takes what is proposed, and --recipe a file"
         )
-    look = look_at(file, options)
+    look = look_at(file, options) if sessions is None else look_with_kept(file, sessions, options)[0]
     remark = "Correct what is wrong, save, and leave the editor. Empty the file to import nothing."
     try:
         text = to_toml(look.read().recipe)

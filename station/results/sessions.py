@@ -142,8 +142,8 @@ def import_file(
         place = file.parent
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
-    if recipe is None and not anew and replace(options, accept=False) == ImportOptions():
-        look, said = look_with_kept(file, kept or sessions)
+    if recipe is None and not anew:
+        look, said = look_with_kept(file, kept or sessions, options)
     else:
         look, said = look_at(file, options, recipe), ""
     try:

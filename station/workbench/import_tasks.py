@@ -78,7 +78,7 @@ def import_files(
     info = session_info(settings, mass, varies=varies.split(","))
     try:
         if recipe is None and (ask or others):
-            known = look_with_kept(first, settings.sessions)[0].read().recipe
+            known = look_with_kept(first, settings.sessions, ImportOptions())[0].read().recipe
             return _question(first, known, "what the columns seem to be")
         if recipe is not None and others:
             return _campaign(settings, say, files, recipe, names, info)

@@ -218,7 +218,9 @@ def test_two_loggers_with_equal_names_and_other_units_are_not_confused(capsys):
     assert np.max(Session.open(answer["sessions"][0]).recording().samples) == pytest.approx(0.02)
 
 
-def test_what_is_accepted_of_a_file_without_names_is_the_kept_recipe_that_was_shown(capsys):
+def test_what_is_accepted_or_asked_of_a_file_without_names_is_the_kept_recipe_that_was_shown(
+    capsys, monkeypatch
+):
     motor = np.sin(2 * np.pi * 0.9 * T)
     for name in ("motor_0.900", "motor_0.968"):
         written(name, "", T, motor, DECAY)
@@ -226,8 +228,13 @@ def test_what_is_accepted_of_a_file_without_names_is_the_kept_recipe_that_was_sh
     assert imported(capsys, "motor_0.900", *chosen)["sessions"] == ["sessions/motor_0.900"]
     assert run(["import", "motor_0.968"]) == 2
     assert "confirmed for motor_0.900" in capsys.readouterr().err
+    opened = []
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("click.edit", lambda filename: opened.append(Path(filename).read_text()))
+    imported(capsys, "motor_0.968", "--ask", "--session", "asked")
+    assert '{column = 3, role = "displacement", unit = "counts"}' in opened[0]
     answer = imported(capsys, "motor_0.968", "--accept")
-    assert "confirmed for motor_0.900" in answer["notes"][0]
+    assert "read by the recipe that was confirmed for" in answer["notes"][0]
     np.testing.assert_allclose(Session.open(answer["sessions"][0]).recording().samples[0], DECAY, atol=1e-8)
 
 
