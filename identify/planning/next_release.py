@@ -102,11 +102,13 @@ class NextRelease:
             return "No release helps: none within the limits shows much more of a hidden force than the same one again."
         if not self.tells_more:
             best = odds_words(self.best.nats)
-            why = f"No release helps: none within the limits distinguishes {one} from {other} (odds of {best} at best)."
             if self.instead is None:
-                return why
+                return f"No release helps: none within the limits distinguishes {one} from {other} (odds of {best} at best)."
             does = sentence_case(self._do(self.instead.experiment))
-            return f"{why} {does} could, with odds of {odds_words(self.instead.nats)}."
+            could = (
+                f"{does} could distinguish {one} from {other}, with odds of {odds_words(self.instead.nats)}"
+            )
+            return f"{could}. As it is, no release within the limits does: odds of {best} at best."
         does = (
             f"It would show a force that can still hide, such as {one},"
             if self.hidden
