@@ -68,8 +68,8 @@ def decide(
 
     Before the data, none is as probable as all laws together, and all of these are equally probable. The indistinguishable
     laws are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law outside
-    the library in their place, at first as probable as each, and `beside` that for one beside the leader. Laws of time
-    represent any drift unless a drift is part of every hypothesis (`drift_weighed`).
+    the library in their place, at first as probable as each, and `beside` that for one beside the leader, where that speaks
+    against it. Laws of time represent any drift unless a drift is part of every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|

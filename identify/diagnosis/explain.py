@@ -27,7 +27,7 @@ from identify.formatting import (
     three_figures,
     two_figures,
 )
-from identify.judging.beside_walk import walk_sentence
+from identify.judging.beside_walk import law_sentence, walk_sentence
 from identify.judging.suspect import Suspect, kinds_alike
 from identify.judging.verdict import Judgement, why_not_enough
 from identify.priors import LARGE
@@ -193,7 +193,8 @@ def caution(baseline: Baseline, judgement: Judgement, named: Suspect | None, set
             "another release before you rely on the name."
         )
     drift = walk_sentence(judgement.walk, named=named is not None, releases=releases)
-    return " ".join(filter(None, (small, drift)))
+    law = law_sentence(judgement.decided) if named is not None and baseline.floor_is_sure else ""
+    return " ".join(filter(None, (small, drift, law)))
 
 
 def _between(top: Suspect) -> str:

@@ -10,7 +10,7 @@ series of Legendre polynomials whose coefficients are normal, those of higher or
 and Williams, 2006). The misfit is taken for linear in it. Every hypothesis has a random walk: what that explains is no law.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -104,20 +104,22 @@ def weigh(
     nats: dict[str, float],
     effects: dict[str, Effect],
     last: RandomWalk,
+    beside: float,
     unit: float,
     alpha: float,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `unit` is the unit of chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
+    as much. `beside` is the evidence for a law outside the library that speaks against the leader. `unit` is the unit of
+    chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
         unnamed=smooth_law_evidence(before) / unit,
-        beside=smooth_law_evidence(last) / unit,
+        beside=beside / unit,
         drift_weighed=True,
         alpha=alpha,
     )
@@ -126,26 +128,32 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     """Weigh a name against a walk and a law outside the library, each effect beside the others; `decided` has the outcome.
 
-    It gets the walk that remains beside it.
+    It gets the walk that remains beside it, and so does `decided` the law. Neither speaks against a name that reaches a
+    sure floor: it is small.
     """
     final = judged.final
     last = walk_beside(final)
+    left = smooth_law_evidence(last)
+    beside = -np.inf if baseline.floor_is_sure and baseline.adequate(final) else left
     if judged.places:
         unit = judged.places[0].tried[0].unit
-        decided = [_weighed_in_place(baseline, place, last) for place in judged.places]
+        decided = [_weighed_in_place(baseline, place, last, beside) for place in judged.places]
     else:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         unit = near[0].unit
         effects = {one.name: one.term.effect for one in near}
         nats = {one.name: one.evidence for one in near}
-        decided = [weigh(baseline.walk, nats, effects, last, unit, baseline.alpha)]
+        drifts = baseline.floor_is_sure and last.evidence > RIVALS_WITHIN * unit
+        before = baseline.walk.simulated if drifts else baseline.walk
+        decided = [weigh(before, nats, effects, last, beside, unit, baseline.alpha)]
+    decided = [replace(one, beside=left / unit) for one in decided]
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
     if walk is not None and not baseline.adequate(final):
         decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
     return replace(judged, decided=tuple(decided), walk=walk)
 
 
-def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> Evidence:
+def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk, beside: float) -> Evidence:
     """Weigh one of several effects against what may stand in its place, beside the others.
 
     It has no name where something else is clearly more probable there and makes no sense, and, where the floor is a guess,
@@ -158,7 +166,7 @@ def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> E
     near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
     effects = {one.name: one.term.effect for one in near}
-    found = weigh(before, nats, effects, last, own.unit, baseline.alpha)
+    found = weigh(before, nats, effects, last, beside, own.unit, baseline.alpha)
     known = baseline.floor_is_sure or not own.term.is_force or _is_determined(own)
     named = found.verdict == "named"
     return replace(found, verdict="no name") if named and not (known and own.name in found.names) else found
@@ -236,6 +244,16 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
         return f"Besides what is named, {drift} remains; with it no other effect is likelier."
     apart = "A random walk is never the same twice, so several releases distinguish a law from it."
     return f"It may be no law at all: {drift} explains the residual as well.{f' {apart}' if releases == 1 else ''}"
+
+
+def law_sentence(decided: Sequence[Evidence]) -> str:
+    """Say that a law outside the library remains beside what is named; "" where none does."""
+    if all(one.beside <= RIVALS_WITHIN for one in decided):
+        return ""
+    return (
+        "Besides what is named, something small remains: a smooth force outside the library explains more of the residual "
+        "than chance would."
+    )
 
 
 def _one_figure(value: float) -> str:

@@ -46,12 +46,27 @@ def test_under_every_imperfection_at_once_a_force_is_named_and_what_it_leaves_is
 
 
 @pytest.mark.parametrize(
-    ("hidden", "strength", "seed"), [("adhesion", 0.003, 771007), ("wandering_stiffness", 0.01, 771021)]
+    ("hidden", "strength", "seed"),
+    [
+        ("adhesion", 0.003, 771007),
+        ("wandering_stiffness", 0.01, 771021),
+        ("wandering_stiffness", 0.0003, 93000),  # beside which the end stop reaches the floor
+    ],
 )
-def test_what_leaves_a_walk_above_a_known_floor_gets_no_name(hidden: str, strength: float, seed: int) -> None:
+def test_what_a_walk_explains_as_well_gets_no_name(hidden: str, strength: float, seed: int) -> None:
     """Free play takes most of what adhesion does, and an end stop of what a walk does; a walk explains the rest."""
     diagnosed = found(hidden, strength, seed)
     assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
+
+
+@pytest.mark.parametrize("seed", [514, 522])
+def test_a_law_too_small_to_keep_a_name_off_a_known_floor_is_said_beside_it(seed: int) -> None:
+    """The sensor is bent by some ten thousandths, and free play of 3 % of the force leaves that."""
+    diagnosed = found("freeplay", 0.03, seed, imperfections=("bend",), sensor_pair=seed, lag=0.0)
+    assert diagnosed.baseline.adequate(diagnosed.judged)
+    assert diagnosed.decided[0].beside > 4.0
+    assert (diagnosed.verdict, diagnosed.named) == ("missing_effect", ("freeplay",))
+    assert "Besides what is named, something small remains" in diagnosed.caution
 
 
 @pytest.mark.parametrize(
