@@ -353,3 +353,21 @@ def test_of_rows_turned_round_a_lost_stamp_is_where_it_was(tmp_path: Path) -> No
     lost = len(T) - 61
     assert list(np.flatnonzero(~recording.valid)) == [lost]
     np.testing.assert_allclose(recording.samples[0][recording.valid], np.delete(U, lost), rtol=1e-8)
+
+
+def test_rows_that_are_even_keep_the_holes_that_their_stamps_show(tmp_path: Path) -> None:
+    """A sonar on a busy computer: stamps stray by a third of an interval, and twelve rows are missing before the release."""
+    jitter = np.random.default_rng(8).uniform(-4e-3, 4e-3, T.size)
+    time = np.where(np.arange(T.size) < 40, T, T + 0.12) + jitter
+    (tmp_path / "a.csv").write_text(table(HEADER, time, U))
+    recipe = tmp_path / "recipe.toml"
+    fields = '{column = 1, role = "time", unit = "s"}, {column = 2, role = "displacement", unit = "m"}'
+    recipe.write_text(f"even = true\nfields = [{fields}]\n")
+    (recording,) = read_runs(tmp_path / "a.csv", None, read_recipe(recipe))
+    assert recording.rate_std is not None
+    assert recording.rate == pytest.approx(100.0, abs=4.0 * recording.rate_std)
+    assert recording.rate_std < 0.1
+    lost = np.flatnonzero(~recording.valid)
+    assert lost[0] == 40
+    assert list(lost) == list(range(40, 40 + len(lost)))
+    assert 11 <= len(lost) <= 13  # two stamps tell the length of a hole no better than they stray
