@@ -6,6 +6,7 @@ Times are microseconds of the board's clock since its boot. Sample indices count
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Self
 
 PROTOCOL_MAJOR = 1
 PROTOCOL_MINOR = 1
@@ -36,7 +37,15 @@ _SIZES = {SampleFormat.I16: 2, SampleFormat.I32: 4, SampleFormat.F32: 4, SampleF
 _CODES = {SampleFormat.I16: "<i2", SampleFormat.I32: "<i4", SampleFormat.F32: "<f4", SampleFormat.F64: "<f8"}
 
 
-class ResetCause(IntEnum):
+class _Known(IntEnum):
+    """A number of the wire; each kind has a member OTHER for those that are not known here."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> Self:
+        return cls["OTHER"]
+
+
+class ResetCause(_Known):
     """Why the board booted last; a value that this version does not know reads as OTHER."""
 
     POWER_ON = 1
@@ -46,12 +55,8 @@ class ResetCause(IntEnum):
     SOFTWARE = 5
     OTHER = 255
 
-    @classmethod
-    def _missing_(cls, value: object) -> "ResetCause":
-        return cls.OTHER
 
-
-class NackCode(IntEnum):
+class NackCode(_Known):
     """Why the board refused a request; a value that this version does not know reads as OTHER."""
 
     NOT_UNDERSTOOD = 1
@@ -65,12 +70,8 @@ class NackCode(IntEnum):
     HOLDER = 9
     OTHER = 255
 
-    @classmethod
-    def _missing_(cls, value: object) -> "NackCode":
-        return cls.OTHER
 
-
-class HolderState(IntEnum):
+class HolderState(_Known):
     """What the board's holder does with the mass; a value that this version does not know reads as OTHER."""
 
     FREE = 1
@@ -79,12 +80,8 @@ class HolderState(IntEnum):
     LETTING_GO = 4
     OTHER = 255
 
-    @classmethod
-    def _missing_(cls, value: object) -> "HolderState":
-        return cls.OTHER
 
-
-class HolderReason(IntEnum):
+class HolderReason(_Known):
     """Why the holder is in its state; a value that this version does not know reads as OTHER."""
 
     BOOT = 1
@@ -95,22 +92,14 @@ class HolderReason(IntEnum):
     FAULT = 6
     OTHER = 255
 
-    @classmethod
-    def _missing_(cls, value: object) -> "HolderReason":
-        return cls.OTHER
 
-
-class EventKind(IntEnum):
+class EventKind(_Known):
     """What happened to samples; a value that this version does not know reads as OTHER."""
 
     OVERRUN = 1
     SATURATION = 2
     SENSOR_FAULT = 3
     OTHER = 255
-
-    @classmethod
-    def _missing_(cls, value: object) -> "EventKind":
-        return cls.OTHER
 
 
 @dataclass(frozen=True)
