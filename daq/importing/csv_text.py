@@ -13,7 +13,7 @@ from daq.importing.column_numbers import counts_rows
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
 from daq.importing.errors import LONGEST_LINE, problem, require_few, require_table
-from daq.importing.numbers import Parsed, parse_column, parse_number, rate_in
+from daq.importing.numbers import Parsed, parse_cell, parse_column, parse_number, rate_in
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import parse_unit
@@ -145,10 +145,8 @@ def _cells(line: str, delimiter: str, left: int, right: int) -> list[str]:
 
 def _has_number(cells: Sequence[str], decimal: str) -> bool:
     """Check whether a row holds a number or a time of day, or nothing at all, but no text alone."""
-    numbers = [parse_number(cell, decimal) for cell in cells]
-    if any(number is not None and not math.isnan(number) for number in numbers):
-        return True
-    return None not in numbers or any(":" in cell and any(map(str.isdigit, cell)) for cell in cells)
+    numbers = [parse_cell(cell, decimal) for cell in cells]
+    return None not in numbers or any(number is not None and not math.isnan(number) for number in numbers)
 
 
 def headers(

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO, TextIOWrapper
 from itertools import accumulate
+from math import isnan
 from pathlib import Path
 
 from daq.importing import recipe
 from daq.importing.errors import MAX_LINES, MAX_TEXT, problem, require_few, require_size
-from daq.importing.numbers import parse_clock, parse_number
+from daq.importing.numbers import parse_cell
 
 BLANK = " "
 COMMENTS = ("#", "%", "//", "!", "'", "*")
@@ -95,14 +96,9 @@ def _row_width(line: str, delimiter: str, decimal: str, *, mixed: bool) -> int:
     if is_comment(line) or not line.strip():
         return 0
     cells = split(line, delimiter)
-    numbers = others = 0
-    for cell in cells[:64]:
-        number = parse_number(cell, decimal)
-        if number is None:
-            number = parse_clock(cell)
-        others += number is None
-        numbers += number is not None and number == number
-    return len(cells) if (numbers >= 2 if mixed else numbers and not others) else 0
+    found = [parse_cell(cell, decimal) for cell in cells[:64]]
+    numbers = sum(number is not None and not isnan(number) for number in found)
+    return len(cells) if (numbers >= 2 if mixed else numbers and None not in found) else 0
 
 
 def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str, str]]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from daq.importing.errors import LONGEST_NAME, MAX_NUMBERS, MAX_TEXT, problem, require_size, require_table
-from daq.importing.numbers import parse_clock, parse_number, rate_of
+from daq.importing.numbers import parse_cell, parse_number, rate_of
 from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -164,8 +164,7 @@ def _numbers(values: Sequence[Any]) -> Array | None:
     made = []
     for value in values:
         if isinstance(value, str):
-            number = parse_number(value)
-            value = parse_clock(value) if number is None else number
+            value = parse_cell(value)
             if value is None:
                 return None
         elif isinstance(value, bool) or not isinstance(value, int | float | None):

@@ -71,6 +71,12 @@ def parse_clock(text: str) -> float | None:
     return 3600.0 * int(match[2] or 0) + 60.0 * int(match[3]) + float(match[4].replace(",", "."))
 
 
+def parse_cell(text: str, decimal: str = ".") -> float | None:
+    """Return a number as `parse_number` does, or a time of day as `parse_clock` does, None for anything else."""
+    number = parse_number(text, decimal)
+    return parse_clock(text) if number is None else number
+
+
 @dataclass(frozen=True, eq=False)
 class Parsed:
     """The numbers of one column of text: NaN where there is none, and row and text of the first cell that is neither."""
@@ -86,10 +92,8 @@ def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
     bad: tuple[int, str] | None = None
     clocks = wrong = 0
     for i, cell in enumerate(cells):
-        number = parse_number(cell, decimal)
-        if number is None:
-            number = parse_clock(cell)
-            clocks += number is not None
+        number = parse_cell(cell, decimal)
+        clocks += number is not None and ":" in cell
         if number is None:
             bad = bad or (i, cell)
             wrong += 1
