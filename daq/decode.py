@@ -83,8 +83,6 @@ class Assembly:
             return ()
         if isinstance(message, Data):
             return self._take_data(frame.sequence, message, time)
-        if isinstance(message, OtherVersion):
-            return ()
         take = _TAKERS.get(type(message))
         return (take(self, in_one_line(message)) if take is not None else None) or ()
 

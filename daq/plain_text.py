@@ -6,9 +6,9 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, ValidationError
 
-from firmware_protocol import Message
+from firmware_protocol import Message, OtherVersion
 
-_M = TypeVar("_M", bound=Message)
+_M = TypeVar("_M", bound=Message | OtherVersion)
 
 _CONTROL = [*range(0x20), *range(0x7F, 0xA0)]
 _BREAKS_AND_TURNS = [*range(0x2028, 0x202F), *range(0x2066, 0x206A)]

@@ -54,9 +54,6 @@ class Verdict(BaseModel):
         """The grade and its reasons in one line."""
         return "; ".join([self.grade.value, *self.reasons])
 
-    def __str__(self) -> str:
-        return "\n".join((self.grade.value, *(f"- {reason}" for reason in self.reasons)))
-
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def judge(

@@ -43,9 +43,6 @@ def swing_of(x: Array, period: float, released: int | None = None) -> Swing:
     block = max(int(period / 8.0), 1)
     count = -(-len(x) // block)
     reach = max(round(period / block), 2)
-    if count <= 2 * reach:
-        zero = np.zeros(len(x))
-        return Swing(zero, zero, np.inf)
     padded = np.concatenate([x, np.full(count * block - len(x), x[-1])]).reshape(count, block)
     thin = padded[:, :: -(-block // 8)]
     windows = np.lib.stride_tricks.sliding_window_view(thin, reach, axis=0)

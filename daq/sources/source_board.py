@@ -29,7 +29,6 @@ from firmware_protocol import (
     Message,
     Nack,
     NackCode,
-    OtherVersion,
     Resend,
     Start,
     Stop,
@@ -74,7 +73,6 @@ class SourceBoard:
         self._lock = threading.Lock()
         self._booted = time.monotonic()
         self._beat = self._booted
-        self._closed = False
 
     def read(self) -> bytes:
         """Return the frames that are due; b"" when nothing came within about 50 ms."""
@@ -104,14 +102,10 @@ class SourceBoard:
 
     def close(self) -> None:
         """Give the source back."""
-        if not self._closed:
-            self._closed = True
-            self._source.close()
+        self._source.close()
 
     def _answer(self, frame: Frame) -> None:
         message = frame.message
-        if isinstance(message, OtherVersion):
-            return
         if isinstance(message, HelloRequest):
             self._say(
                 Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])

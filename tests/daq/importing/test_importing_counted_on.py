@@ -23,7 +23,7 @@ def test_the_verdict_says_that_an_angle_begins_again_and_a_recipe_counts_it_on(
     low = -180.0 if middle else 0.0
     text = table(f"time_s,{header}", T, (angle - low) % 360.0 + low)
     verdict = judge(load(tmp_path, text))
-    assert "wraps round from one end of its range to the other" in str(verdict)
+    assert "wraps round from one end of its range to the other" in verdict.words
     assert any("wraps = 360" in advice for advice in verdict.advice)
     recipe = Recipe.model_validate(
         {"fields": [{"column": 1, "role": "time"}, {"column": 2, "role": "displacement", "unit": "deg", "wraps": 360}]}

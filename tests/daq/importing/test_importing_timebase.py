@@ -329,7 +329,7 @@ def test_rows_that_repeat_the_last_reading_are_kept_and_told_by_the_verdict(
     recording = load(tmp_path, "\n".join(lines), columns={"displacement": "x (mm)"})
     assert recording.rate == pytest.approx(30.0, rel=1e-4)
     assert recording.samples.shape == (1, 900)
-    assert "x (mm) repeats the reading before it" in str(judge(recording))
+    assert "x (mm) repeats the reading before it" in judge(recording).words
 
 
 def test_time_without_a_name_is_found_though_it_is_rounded_to_more_than_a_sample(tmp_path: Path) -> None:
