@@ -51,14 +51,14 @@ class Reading:
             )  # fmt: skip
         zero = self.field.zero if isinstance(self.field.zero, float) and not column.arc else 0.0
         values = (column.values - zero) * (self.unit.scale * self.field.sign)
-        finite = np.isfinite(column.values)
-        if np.any(np.abs(values[finite]) > LARGEST):
-            row = int(np.flatnonzero(finite & ~(np.abs(values) <= LARGEST))[0])
+        too_large = np.abs(values) > LARGEST
+        if too_large.any():
+            row = int(np.argmax(too_large))
             raise problem(
                 table.path, f"{column.values[row]:.3g} is too large to be a measured {quantity}",
                 "repair or remove the line", line=table.line(row), column=column.number,
             )  # fmt: skip
-        return np.where(np.isfinite(values), values, np.nan)
+        return values
 
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers too large to be measured are refused
