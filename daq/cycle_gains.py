@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.recording import Array, Mask
+from daq.smooth_course import spectrum
 
 FEWEST, SHORTEST = 2.0, 6.0
 """Periods that half a record has at least, and readings that a period has."""
@@ -42,14 +43,10 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
     if width < 16 or not all(np.ptp(x) > 0.0 for x in channels):
         return None
     size = 1 << (4 * width - 1).bit_length()
-    place, window = np.linspace(-1.0, 1.0, width), np.hanning(width)
     common = np.ones(size // 2 + 1)
     for x in channels:
-        power = np.zeros(size // 2 + 1)
-        for first in range(0, len(x) - width + 1, max(width // 4, 1)):
-            part = (x[first : first + width] - x[first : first + width].mean()) / np.ptp(x)
-            part = part - place * float(part @ place) / float(place @ place)
-            power += np.abs(np.fft.rfft(part * window, size)) ** 2
+        halves = np.lib.stride_tricks.sliding_window_view(x / np.ptp(x), width)[:: width // 4]
+        power = np.sum([spectrum(half, size) for half in halves], axis=0)
         common *= power / power.max()
     common[: round(FEWEST * size / width)] = 0.0
     peak = int(np.argmax(common))

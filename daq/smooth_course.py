@@ -64,6 +64,13 @@ def swing_of(x: Array, period: float, released: int | None = None) -> Swing:
     return Swing(before, after, SHARE * float(size.max()))
 
 
+def spectrum(x: Array, size: int | None = None) -> Array:
+    """Return the power spectrum of a record (n,), its straight line taken out, as one of `size` readings (n without)."""
+    place = np.linspace(-1.0, 1.0, len(x))
+    bent = x - x.mean() - place * float(place @ (x - x.mean())) / float(place @ place)
+    return np.asarray(np.abs(np.fft.rfft(bent * np.hanning(len(x)), size)) ** 2)
+
+
 def weights_of(nodes: Index, at: Index) -> Array:
     """Return the weights of four `nodes` (m, 4) in the cubic through them at the places `at`, (m,): shape (m, 4)."""
     out = np.ones(nodes.shape)

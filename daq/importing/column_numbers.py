@@ -3,6 +3,7 @@
 import numpy as np
 
 from daq.recording import Array, runs
+from daq.smooth_course import spectrum
 
 LARGEST = 1e100
 MIN_ROWS = 40
@@ -55,16 +56,9 @@ def oscillation(values: Array) -> float:
     finite = values[np.isfinite(values)]
     if len(finite) < 16 or not is_measurable(finite) or np.ptp(finite) == 0.0:
         return 0.0
-    place = np.linspace(-1.0, 1.0, len(finite))
-    scaled = (finite - finite.mean()) / np.ptp(finite)
-    power = (
-        np.abs(
-            np.fft.rfft((scaled - np.polyval(np.polyfit(place, scaled, 1), place)) * np.hanning(len(finite)))
-        )
-        ** 2
-    )
+    power = spectrum(finite / np.ptp(finite))
     total = float(power.sum())
-    if len(power) < 8 or total == 0.0:
+    if total == 0.0:
         return 0.0
     peak = int(np.argmax(power[3:])) + 3
     reach = max(2, round(0.2 * peak))
