@@ -9,8 +9,8 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
-from daq.capture_settings import CaptureSettings
-from daq.capture_stream import CaptureObserver, CaptureStream
+from daq.capture_settings import CaptureSettings as CaptureSettings
+from daq.capture_stream import CaptureObserver as CaptureObserver, CaptureStream
 from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, OperatorError, StationError
@@ -24,8 +24,6 @@ from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
 from daq.sources.source_board import SourceBoard
 from daq.trigger import RestPeriod, Trigger
-
-__all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
 RESEND_FOR_S = 30.0

@@ -19,24 +19,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError, StorageError
-from daq.manifest import NAME as MANIFEST, complete, is_cut_off, verify
+from daq.manifest import NAME as MANIFEST, complete, is_cut_off, verify as verify
 from daq.raw_log import MAX_LOG, Kind, Record, unpack
-from daq.session_folder import Session, make_inner
-from daq.session_info import SessionInfo, State
+from daq.session_folder import Session as Session, make_inner
+from daq.session_info import SessionInfo as SessionInfo, State as State
 from daq.session_reading import INFO, RAW, read_info
 from daq.storage import Lock, read_regular, refused
-
-__all__ = [
-    "Session",
-    "SessionInfo",
-    "SessionSummary",
-    "State",
-    "finish_change",
-    "list_sessions",
-    "recover",
-    "unsealed_sessions",
-    "verify",
-]
 
 _UNSEALED = "the program ended before the session was sealed"
 
