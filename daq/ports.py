@@ -108,28 +108,12 @@ def sample_board(port: str, seconds: float, rate_hz: float) -> BoardSample:
         )
 
 
-@dataclass(frozen=True)
-class PortFacts:
-    """`holders` are the programs (name, pid) that have it open, as far as this user may see them.
+def holders(name: str, proc: Path = PROC) -> tuple[tuple[str, int], ...]:
+    """Return the programs (name, pid) that have a port open, none of a URL: what /proc/PID/fd (Linux) shows this user.
 
-    `latency_ms` is that of an FTDI adapter, None where the system does not know it.
+    Other users' programs stay unseen without their rights.
     """
-
-    holders: tuple[tuple[str, int], ...]
-    latency_ms: int | None
-
-
-def port_facts(name: str, proc: Path = PROC, tty: Path = SYSTEM_TTY) -> PortFacts:
-    """Return the facts of a device; of a URL (`socket://...`) nothing is known."""
-    if "://" in name:
-        return PortFacts((), None)
-    device = os.path.realpath(name)
-    return PortFacts(_holders(device, proc), _latency(device, tty))
-
-
-def _holders(device: str, proc: Path) -> tuple[tuple[str, int], ...]:
-    """Look through /proc/PID/fd (Linux); other users' programs stay unseen without their rights."""
-    found = []
+    device, found = os.path.realpath(name), []
     for process in sorted(proc.glob("[0-9]*")):
         pid = int(process.name)
         with suppress(OSError):
@@ -139,8 +123,9 @@ def _holders(device: str, proc: Path) -> tuple[tuple[str, int], ...]:
     return tuple(found)
 
 
-def _latency(device: str, tty: Path) -> int | None:
+def latency_ms(name: str, tty: Path = SYSTEM_TTY) -> int | None:
+    """Return the latency of an FTDI adapter (ms), None where the system does not know it, as of a URL."""
     try:
-        return int((tty / Path(device).name / "device" / "latency_timer").read_text())
+        return int((tty / Path(os.path.realpath(name)).name / "device" / "latency_timer").read_text())
     except (OSError, ValueError):
         return None

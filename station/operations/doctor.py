@@ -13,7 +13,7 @@ import numpy as np
 
 from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.errors import StationError
-from daq.ports import BoardSample, list_ports, port_facts, sample_board
+from daq.ports import BoardSample, holders, latency_ms, list_ports, sample_board
 from daq.recording import Recording
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
@@ -70,14 +70,13 @@ def _disk(sessions: Path) -> Iterator[Finding]:
 
 def _board(name: str, rate: float, seconds: float) -> Iterator[Finding]:
     """Check a port from outside (free, quick), then what its board sends."""
-    facts = port_facts(name)
-    if facts.holders:
-        who = ", ".join(f"{program} (process {pid})" for program, pid in facts.holders)
+    if found := holders(name):
+        who = ", ".join(f"{program} (process {pid})" for program, pid in found)
         yield Finding("WARN", "held by", who, "close that program")
-    if facts.latency_ms is not None:
-        grade: Grade = "WARN" if facts.latency_ms >= LATENCY_MS else "PASS"
+    if (latency := latency_ms(name)) is not None:
+        grade: Grade = "WARN" if latency >= LATENCY_MS else "PASS"
         remedy = "lower it: echo 1 | sudo tee /sys/class/tty/NAME/device/latency_timer"
-        yield Finding(grade, "latency", f"{facts.latency_ms} ms in the adapter", remedy)
+        yield Finding(grade, "latency", f"{latency} ms in the adapter", remedy)
     try:
         sample = sample_board(name, seconds, rate)
     except StationError as error:

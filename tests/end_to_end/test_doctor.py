@@ -11,7 +11,7 @@ from unittest import mock
 import pytest
 from fault_bench import board
 
-from daq.ports import PortFacts, port_facts
+from daq.ports import holders, latency_ms
 from station import cli
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
@@ -89,8 +89,9 @@ def test_the_facts_of_a_port_come_from_the_system(tmp_path: Path) -> None:
     (tmp_path / "proc" / "4711" / "fd" / "3").symlink_to(device)
     (tmp_path / "tty" / "ttyX" / "device").mkdir(parents=True)
     (tmp_path / "tty" / "ttyX" / "device" / "latency_timer").write_text("16\n")
-    facts = port_facts(str(device), tmp_path / "proc", tmp_path / "tty")
-    assert facts == PortFacts((("minicom", 4711),), 16)
+    assert holders(str(device), tmp_path / "proc") == (("minicom", 4711),)
+    assert latency_ms(str(device), tmp_path / "tty") == 16
+    assert (holders("socket://localhost:5000"), latency_ms("socket://localhost:5000")) == ((), None)
 
 
 def test_no_port_at_all_is_a_warning() -> None:
