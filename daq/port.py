@@ -42,17 +42,16 @@ class Port(Protocol):
 
 @dataclass(frozen=True)
 class PortDescription:
-    """A port that the system knows: its name, what hangs on it and the adapter's serial number."""
+    """A port that the system knows: its name, and what hangs on it."""
 
     name: str
     description: str = ""
-    serial_number: str = ""
 
 
 def system_ports() -> tuple[PortDescription, ...]:
     """Return the serial ports of this computer, adapters on USB first."""
     ports = sorted(serial_list.comports(), key=lambda p: (p.vid is None, p.device))
-    return tuple(PortDescription(p.device, _plain(p.description), p.serial_number or "") for p in ports)
+    return tuple(PortDescription(p.device, _plain(p.description)) for p in ports)
 
 
 def _plain(text: str | None) -> str:

@@ -19,7 +19,7 @@ _RESIDUE = 0x2144DF1C  # CRC-32 of anything followed by its own CRC-32, little-e
 class Statistics:
     """How many frames came and how many pieces between two 0x00 were something else, by reason.
 
-    `frames` counts the frames handed out (`other_version` of them from another major version).
+    `frames` counts the frames handed out, those of another major version, too.
     `unknown` is a type of a later minor version, `malformed` a sound checksum around a body that makes
     no message; `why_malformed` says what was wrong with the last of these.
     """
@@ -32,7 +32,6 @@ class Statistics:
     too_long: int = 0
     unknown: int = 0
     malformed: int = 0
-    other_version: int = 0
     why_malformed: str = ""
 
     @property
@@ -97,7 +96,6 @@ class Decoder:
     def _read(self, plain: bytes) -> Frame | None:
         version, code, _, stream, sequence = HEADER.unpack_from(plain)
         if version != PROTOCOL_MAJOR:
-            self._counts.other_version += 1
             return Frame(sequence, stream, OtherVersion(version))
         try:
             message = read_body(code, plain[HEADER.size : -4])
