@@ -37,7 +37,7 @@ from identify.judging.releases_differ import (
     spread_sentence,
     where_releases_differ,
 )
-from identify.judging.suspect import Suspect, kinds_alike
+from identify.judging.suspect import Suspect
 from identify.judging.suspects import InPlace, candidate_terms, singles
 from identify.judging.verdict import Judgement, Verdict, headline_of, too_few_cycles
 from identify.model.model import Model, base_model
@@ -208,11 +208,11 @@ class Diagnosis(Summarised):
             )
             for suspect in self.suspects[:_SHOWN]
         ]
-        named = f": {' and '.join(self.named)}" if self.named else ""
-        found = self.confirmation
-        kinds = kinds_alike(self.suspects[0], self.suspects) if len(self.named) == 1 else ()
+        undecided = bool(self.confirmation and self.confirmation.undecided)
+        rivals = self.suspects[0].rivals if self.named else ()
+        kinds = {suspect.effect.name: suspect.kind for suspect in self.suspects if suspect.plausible}
         return Summary(
-            f"{headline_of(self.verdict, undecided=bool(found and found.undecided), kinds=kinds)}{named}",
+            headline_of(self.verdict, self.named, rivals, kinds, undecided=undecided),
             (
                 self.explanation,
                 *(

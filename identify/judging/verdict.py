@@ -1,6 +1,6 @@
 """The verdict on a model: a word, a headline, the judgement with all that belongs to it, and when data are too few."""
 
-from collections.abc import Collection
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,7 +14,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
 from identify.fitting.random_walk import RandomWalk
-from identify.formatting import three_figures
+from identify.formatting import among, plain_name, three_figures
 from identify.judging.nonparametric_force import NonparametricForce
 from identify.judging.suspects import Candidate, InPlace
 from identify.priors import FEWEST_CYCLES
@@ -29,6 +29,8 @@ Verdict = Literal[
     "not_enough_data",
 ]
 
+_MOST_RIVALS = 2
+
 HEADLINES: dict[Verdict, str] = {
     "missing_effect": "A force is missing",
     "sensor_fault": "A sensor is at fault",
@@ -40,15 +42,31 @@ HEADLINES: dict[Verdict, str] = {
 }
 
 
-def headline_of(verdict: Verdict, *, undecided: bool = False, kinds: Collection[Kind] = ()) -> str:
-    """Write a verdict in a few words.
+def headline_of(
+    verdict: Verdict,
+    named: Sequence[str] = (),
+    rivals: Sequence[str] = (),
+    kinds: Mapping[str, Kind] | None = None,
+    *,
+    undecided: bool = False,
+) -> str:
+    """Write a verdict in one line, a single name with what is plausible and not distinguishable from it, its `rivals`.
 
-    `undecided` says that curves show effects of which none is sure enough for a name; `kinds` are those of a name and of
-    what is not distinguishable from it.
+    `kinds` are those of the plausible suspects, by name; `undecided` says that curves show effects of which none is sure
+    enough for a name.
     """
+    known = kinds or {}
+    alike = [rival for rival in rivals if rival in known] if len(named) == 1 else []
+    words = HEADLINES[verdict]
     if verdict == "unconfirmed" and undecided:
-        return "Something is missing, and no effect is sure enough for a name"
-    return HEADLINES[verdict] if len(set(kinds)) < 2 else "A force is missing, or a sensor is at fault"
+        words = "Something is missing, and no effect is sure enough for a name"
+    if len({known[name] for name in (*named[:1], *alike) if name in known}) > 1:
+        words = "A force is missing, or a sensor is at fault"
+    if not named:
+        return words
+    if len(alike) > _MOST_RIVALS:
+        return f"{words}: {plain_name(named[0])}, or one of {len(alike)} others"
+    return f"{words}: {among([plain_name(name) for name in (*named, *alike)], 'or' if alike else 'and')}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,17 +43,9 @@ DECIDED = {
 
 def verdict_line(document: DiagnosisDocument) -> str:
     """Write the verdict in one line, a single name with what is plausible and not distinguishable from it."""
-    found = document.confirmation
-    names = [plain_name(name) for name in document.named]
+    undecided = bool(document.confirmation and document.confirmation.undecided)
     kinds = {one.effect: one.kind for one in document.suspects if one.plausible}
-    alike = [rival for rival in document.rivals if rival in kinds] if len(names) == 1 else []
-    weighed = [kinds[name] for name in (*document.named[:1], *alike) if name in kinds]
-    verdict = headline_of(document.verdict, undecided=bool(found and found.undecided), kinds=weighed)
-    if not names:
-        return verdict
-    if len(alike) > MOST_RIVALS:
-        return f"{verdict}: {names[0]}, or one of {len(alike)} others"
-    return f"{verdict}: {among([*names, *map(plain_name, alike)], 'or' if alike else 'and')}"
+    return headline_of(document.verdict, document.named, document.rivals, kinds, undecided=undecided)
 
 
 def headline(document: DiagnosisDocument) -> str:

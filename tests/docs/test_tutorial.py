@@ -45,7 +45,7 @@ def test_what_the_page_shows_is_what_the_cells_give(kept: dict[str, Any], today:
 
 def test_the_hidden_effect_is_named_and_the_ladder_ends_at_the_floor(today: dict[str, Any]):
     shown = [" ".join(output) for output in words(today)]
-    assert any(text.startswith("A force is missing: stribeck_friction") for text in shown)
+    assert any(text.startswith("A force is missing: Stribeck friction") for text in shown)
     assert any(text.startswith("Ladder:") and text.endswith("yes") for text in shown)
 
 
