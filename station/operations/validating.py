@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from daq.plain_text import counted
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.force_effect import LinearPart
@@ -75,7 +76,7 @@ def validate_sessions(
     decays = changed_on_purpose([decay for _, decay in ready], changed, spring)
     known = [prepared_or_none(session, settings) for session in given.fitted_to]
     own = changed_on_purpose([decay for decay in known if decay is not None], changed, spring)
-    progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
+    progress(f"fitting the usual model, and predicting {counted(len(decays), 'session', 'sessions')}")
 
     def report(one: Validated) -> None:
         progress(

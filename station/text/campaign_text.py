@@ -4,6 +4,7 @@ import csv
 import io
 from typing import Any
 
+from daq.plain_text import counted
 from identify.formatting import DASH, three_figures, with_error
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.results.documents import picked
@@ -35,11 +36,7 @@ def headline(document: CampaignDocument) -> str:
     """Count how many sessions there are, and how many have no result."""
     done = "diagnosed" if document.diagnosed else "identified"
     failed = f", {len(document.failed)} failed" if document.failed else ""
-    return f"{_sessions(len(document.rows))} {done}{failed}"
-
-
-def _sessions(number: int) -> str:
-    return f"{number} session{'s' * (number != 1)}"
+    return f"{counted(len(document.rows), 'session', 'sessions')} {done}{failed}"
 
 
 def _charts(charts: list[ChartDocument]) -> Table:
@@ -127,11 +124,10 @@ def _time(document: CampaignDocument) -> str:
     if not document.done:
         return "nothing was missing or changed: all was kept from before"
     kept = f"; {document.kept} kept from before" if document.kept else ""
-    return (
-        f"{_sessions(document.done)} in {duration(document.wall_s)} by {document.workers} "
-        f"worker{'s' * (document.workers != 1)} "
-        f"({duration(document.work_s)} of computing){kept}"
-    )
+    done = counted(document.done, "session", "sessions")
+    workers = counted(document.workers, "worker", "workers")
+    work = f"{duration(document.work_s)} of computing"
+    return f"{done} in {duration(document.wall_s)} by {workers} ({work}){kept}"
 
 
 def duration(seconds: float) -> str:

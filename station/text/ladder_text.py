@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+from daq.plain_text import counted
 from identify.formatting import three_figures
 from identify.residual import floor_words, noise_multiple, times
 from station.results.ladder import KeptLadder, KeptStep
@@ -21,9 +22,8 @@ def told(ladder: KeptLadder, weighing: Weighing) -> Told:
     if ladder.present > 0:
         changed = changed_parameters(ladder.steps[ladder.present - 1], ladder.top, weighing)
     above = len(ladder.steps) - 1 - ladder.present
-    going = ""
-    if above:
-        going = f"{above} step{'s' if above > 1 else ''}; `--to N` goes there, and adding an effect drops the steps above"
+    steps = counted(above, "step", "steps")
+    going = f"{steps}; `--to N` goes there, and adding an effect drops the steps above" if above else ""
     rows = [("changed" if not n else "", text) for n, text in enumerate(changed)]
     return Told(
         sentence(ladder.stopped_because) or "The residual, step by step",
