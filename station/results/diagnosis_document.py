@@ -271,7 +271,10 @@ def diagnosis_document(
         held_out=None
         if left_out is None
         else [HeldOutDocument.of(one, session=name) for name, one in zip(names, left_out, strict=True)],
-        hypotheses=_hypotheses(found),
+        hypotheses=[
+            HypothesisDocument.of(one, odds=chance)
+            for one, chance in zip(found.hypotheses, odds(found.hypotheses).tolist(), strict=True)
+        ],
         next_release=next_release_document(found.next_release),
         fitted=fitted,
         final=model_file(baseline.stated(found.final), expressions) if found.named else None,
@@ -346,14 +349,6 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         model=model_file(suspect.stated, expressions) if name in suspect.fit.model else None,
         confirmed=suspect.confirmed is not None if asked else None,
     )
-
-
-def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
-    chances = odds(found.hypotheses)
-    return [
-        {"names": one.names, "title": one.title, "odds": chance}
-        for one, chance in zip(found.hypotheses, chances.tolist(), strict=True)
-    ]
 
 
 def next_release_document(chosen: NextRelease | None) -> dict[str, Any] | None:
