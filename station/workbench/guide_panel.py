@@ -16,7 +16,7 @@ from station.report.write import finish_guided
 from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import TurnDocument
 from station.text.diagnosis_text import headline
-from station.text.guide_text import ENDINGS, gave, odds_of, to_do
+from station.text.guide_text import ENDINGS, SHOWN, gave, odds_of, to_do
 from station.workbench import widgets
 from station.workbench.capture_panel import CapturePanel
 from station.workbench.capture_run import CaptureRun, mystery
@@ -24,7 +24,6 @@ from station.workbench.parts import part
 from station.workbench.session_state import AppState
 
 TICK_S = 0.2
-_SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class GuideRun(CaptureRun):
             self.guide,
             verdict=headline(document),
             gave=gave(turn),
-            hypotheses=turn.hypotheses[:_SHOWN],
+            hypotheses=turn.hypotheses[:SHOWN],
             before=odds_of(self.guide.hypotheses),
         )
 
