@@ -182,7 +182,3 @@ def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]
 
     progress(f"station: {sentence}")
     return code
-
-
-if __name__ == "__main__":
-    main()
