@@ -1,8 +1,10 @@
 """Recipes of files: confirmed once, kept in each session and found for the next file of that shape; or asked for."""
 
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -55,24 +57,18 @@ def look_with_kept(file: Path, sessions: Path, options: ImportOptions) -> tuple[
             "(--accept takes that, --recipe none reads the file without it)"
         )
         proposed = Look(table, Proposal(recipe, {}, (doubt,)))
-        if _is_in_doubt(file) and _reads(proposed):
+        in_doubt = isinstance(_refusal(lambda: look_at(file).read()), Doubtful)
+        if in_doubt and _refusal(partial(proposed.read, accept=True)) is None:
             return proposed, f"read by {kept} {without}"
     return look_at(file), ""
 
 
-def _is_in_doubt(file: Path) -> bool:
+def _refusal(read: Callable[[], object]) -> ImportProblem | None:
     try:
-        look_at(file).read()
+        read()
     except ImportProblem as refusal:
-        return isinstance(refusal, Doubtful)
-    return False
-
-
-def _reads(look: Look) -> bool:
-    with suppress(ImportProblem):
-        look.read(accept=True)
-        return True
-    return False
+        return refusal
+    return None
 
 
 def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
