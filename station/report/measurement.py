@@ -67,10 +67,8 @@ def _verdict(found: Findings) -> Paragraph:
     verdict = found.verdict
     if verdict is None:
         return Paragraph(f"none; {found.doubt}", label="Verdict on the recording", strong=True)
-    reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
-    text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
-    return Paragraph(text, label="Verdict on the recording", strong=True)
+    return Paragraph(f"{verdict.words}{advice}", label="Verdict on the recording", strong=True)
 
 
 def provenance(found: Findings) -> list[Part]:
