@@ -70,8 +70,6 @@ class Watch(CaptureObserver):
     def block(self, first_index: int, samples: Array) -> None:
         """Show the newest level of each channel, and the largest so far."""
         self._also.block(first_index, samples)
-        if samples.shape[1] == 0:
-            return
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
         self._live.update(self._levels(samples[:, -1]))
 

@@ -49,8 +49,7 @@ class LiveView(CaptureObserver):
     def block(self, first_index: int, samples: Array) -> None:
         """Draw a block of samples, shape (channels, n), SI."""
         times = (first_index + np.arange(samples.shape[1])) / self._rate
-        if len(times):
-            self._now = float(times[-1])
+        self._now = float(times[-1])
         for channel, values in zip(self._channels, samples, strict=True):
             factor, _ = scale_as_recorded(channel.quantity, channel.unit)
             self._stream.send_columns(

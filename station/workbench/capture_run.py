@@ -118,8 +118,6 @@ class ScopeObserver(CaptureObserver):
     def block(self, first_index: int, samples: Array) -> None:
         """Keep samples, shape (channels, n), spread over the time since the block before; note the levels."""
         self._go_on()
-        if not samples.shape[1] or not self._channels:
-            return
         now, row = time.monotonic(), samples[self._row]
         if self.now.state == "resting":
             self._rest = np.append(self._rest, row)[-2000:]
