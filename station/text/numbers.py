@@ -1,6 +1,5 @@
 """Numbers and units for people, in a terminal and, typeset, on a page."""
 
-import math
 import re
 from collections.abc import Mapping
 
@@ -21,10 +20,8 @@ def with_names(found: Mapping[str, Estimated]) -> list[str]:
     return [typeset(text) for text in quantities(found)]
 
 
-def probability(p: float | None) -> str:
+def probability(p: float) -> str:
     """Return a probability as people read it."""
-    if p is None or not math.isfinite(p):
-        return DASH
     return "<1e-6" if p < 1e-6 else f"{p:.0e}".replace("e-0", "e-") if p < 0.01 else f"{p:.2f}"
 
 

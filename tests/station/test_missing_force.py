@@ -252,7 +252,7 @@ def test_numbers_are_written_for_people():
         "1.00",
         "132",
     ]
-    assert [probability(value) for value in (None, 1e-9, 0.004, 0.5)] == ["-", "<1e-6", "4e-3", "0.50"]
+    assert [probability(value) for value in (1e-9, 0.004, 0.5)] == ["<1e-6", "4e-3", "0.50"]
     assert [change(10.0, 1.0), change(1.0, 10.0), change(1.0, 0.9), change(None, 1.0)] == [
         "÷ 10",
         "x 10",
