@@ -1,7 +1,6 @@
 """One run of a campaign: missing or changed results are computed by processes and kept at once, the others are read."""
 
 import os
-import re
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -17,11 +16,11 @@ from station.campaign.work import Work, perform, work_on
 from station.operations.workers import Ended, Failed, Say, Worker
 from station.results.campaign_document import SessionResult
 from station.results.documents import LARGEST, RefusedSession
+from station.results.sessions import safe_name
 from station.settings import Settings
 from station.story.pipeline import silent
 
 SESSIONS = "sessions"
-LONGEST_NAME = 80
 KILLED = "its worker was killed twice, the second time while it did nothing else: too little memory?"
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -104,8 +103,7 @@ def run_campaign(
 
 def _file(folder: Path, work: Work) -> Path:
     """Return the file in which the result of a session is kept, by the key of its content and the settings."""
-    plain = re.sub(r"[^\w.-]+", "_", work.folder.name)[:LONGEST_NAME]
-    return folder / SESSIONS / f"{plain}-{work.key[:16]}.json"
+    return folder / SESSIONS / f"{safe_name(work.folder.name)}-{work.key[:16]}.json"
 
 
 def _kept(file: Path, key: str) -> SessionResult | None:
