@@ -134,10 +134,11 @@ def equation(found: Findings) -> list[Part]:
     weighing = found.weighing
     right = "0" if fit.windows[0].force is None else "f(t)" if weighing.mass else "f(t)/m"
     terms = weighing.terms(term.effect for term in fit.model.terms)
-    lines = [_typeset_equation(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(fit, weighing))]
+    sides = (typeset(f"{' + '.join(line)} = {right}") for line in (terms, _numbers(fit, weighing)))
+    lines = tuple(side.replace("u''", "ü", 1).replace("+ -", "− ") for side in sides)
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
-        Equation(tuple(lines)),
+        Equation(lines),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s"
@@ -171,11 +172,6 @@ def _numbers(fit: Fit, weighing: Weighing) -> Iterator[str]:
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         yield text
-
-
-def _typeset_equation(text: str) -> str:
-    raised = re.sub(r"mu_(\d)", lambda found: typeset(found.group(0)), typeset(text))
-    return raised.replace("u''", "ü", 1).replace("+ -", "− ")
 
 
 def _parameters(fit: Fit, weighing: Weighing) -> Table:
