@@ -56,7 +56,7 @@ def fitted_samples(refinement: Refinement, fit: Fit) -> Exported:
     The motion is on one clock (the lag corrected). Readings that did not count are not a number. The facts have the values
     of the model as they are `stated` everywhere, and the release's own: where it starts, and how its sensors are off.
     """
-    window, motion, stated = fit.windows[0], refinement.prepared.motion, refinement.ladder.top.model
+    window, motion, top = fit.windows[0], refinement.prepared.motion, refinement.ladder.top
     units = {
         "displacement": window.unit,
         "velocity": f"{window.unit}/s",
@@ -76,10 +76,8 @@ def fitted_samples(refinement: Refinement, fit: Fit) -> Exported:
         np.ones(len(window), dtype=bool),
         rate_std=window.rate_std,
     )
-    facts = {"model": " + ".join(stated.names)}
-    for entry in stated.effects:
-        known = refinement.weighing.weighed(entry.effect, entry.parameters)
-        facts |= {f"fitted {entry.effect}.{name}": quantity(value) for name, value in known.items()}
+    facts = {"model": " + ".join(top.effects)}
+    facts |= {f"fitted {name}": quantity(value) for name, value in top.weighed(refinement.weighing).items()}
     for name, own in fit.nuisances.items():
         start = name in ("displacement", "velocity") or ".state" in name
         facts[f"{'at the start,' if start else 'fitted'} {name}"] = quantity(replace(own, std=0.0))

@@ -18,6 +18,8 @@ from identify.formatting import SPACE, with_error
 from identify.model.model import Term, base_model
 from station.operations.examples import open_example
 from station.operations.exporting import fitted_samples
+from station.results.documents import Errors
+from station.results.ladder import KeptStep
 from station.results.models import model_file
 from station.results.sessions import open_session
 from station.settings import Settings
@@ -108,7 +110,8 @@ def test_the_exported_samples_are_written_as_station_export_does_and_the_residua
     fit = fitted(release)
     session = open_session(str(DATA / "hidden" / "release_14.csv"), tmp_path / "sessions")
     stated = model_file(with_misfit_errors(fit))
-    ladder = SimpleNamespace(top=SimpleNamespace(model=stated))
+    top = KeptStep(model=stated, error=Errors(), floor_percent=None, at_floor=False, nuisances={})
+    ladder = SimpleNamespace(top=top)
     refinement = SimpleNamespace(session=session, prepared=release, ladder=ladder, weighing=Weighing(2.0))
     text = encode(fitted_samples(refinement, fit), "csv").decode()
     head, *rows = csv.reader(line for line in io.StringIO(text) if not line.startswith("#"))
