@@ -73,8 +73,6 @@ def code_of(error: BaseException) -> int:
     The errors of the acquisition carry their own `exit_code`; an identification that is not possible is 8,
     the disk's OSErrors are 7.
     """
-    if isinstance(error, KeyboardInterrupt):
-        return INTERRUPTED
     carried = getattr(error, "exit_code", None)
     if isinstance(carried, int):
         return carried
