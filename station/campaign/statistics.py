@@ -58,9 +58,9 @@ def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
     if len(x) < FEWEST or len(np.unique(x)) < FEWEST_PLACES or np.ptp(y) == 0.0:
         return None
     tau = _scatter(x, y, own)
-    slope, error = _line(x, y, 1.0 / (own**2 + tau**2))[:2]
-    if not error > 0.0:
+    if not (own.any() or tau):  # all lie on the line, which says nothing of its error
         return None
+    slope, error = _line(x, y, 1.0 / (own**2 + tau**2))[:2]
     p_value = float(2.0 * stats.t.sf(abs(slope) / error, len(x) - 2))
     return Trend(slope=slope, std=error, p_value=p_value, sessions=len(x), left_out=left_out)
 
@@ -89,13 +89,10 @@ def sure_ones(p_values: list[float]) -> list[bool]:
 
 def _line(x: Array, y: Array, weight: Array) -> tuple[float, float, float]:
     """Return slope, standard error and weighted sum of squares of a line."""
-    total = float(weight.sum())
-    middle = float(weight @ x) / total
-    centred = x - middle
-    spread = float(weight @ centred**2)
-    slope = float(weight @ (centred * y)) / spread
-    rest = y - float(weight @ y) / total - slope * centred
-    return slope, float(1.0 / np.sqrt(spread)), float(weight @ rest**2)
+    centred = x - np.average(x, weights=weight)
+    line, covariance = np.polyfit(centred, y, 1, w=np.sqrt(weight), cov="unscaled")
+    rest = y - np.polyval(line, centred)
+    return float(line[0]), float(np.sqrt(covariance[0, 0])), float(weight @ rest**2)
 
 
 def _scatter(x: Array, y: Array, own: Array) -> float:
