@@ -8,6 +8,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.user.measured_curve import COUNT, CurveForm, read_curve
 from identify.fitting.fit import Fit
+from identify.signal.smoothing import without_line
 
 POINTS = 200
 
@@ -48,10 +49,9 @@ def _curve(fit: Fit, name: str, form: CurveForm) -> MeasuredCurve:
     position = np.linspace(form.low, form.high, POINTS)
     splines = form.basis(position)
     shape = splines[:, form.unit - 1] + splines[:, others] @ np.array(ratios)
-    slope = np.column_stack([shape, strength * splines[:, others]])
-    left = _less_line(position) if form.factor in ("", "sgn(v)") else np.eye(POINTS)
+    left = without_line if form.factor in ("", "sgn(v)") else np.asarray
+    slope = np.apply_along_axis(left, 0, np.column_stack([shape, strength * splines[:, others]]))
     at = [fit.names.index(one) for one in names]
-    slope = left @ slope
     variance = np.einsum("ni,ij,nj->n", slope, fit.covariance[np.ix_(at, at)], slope)
     length = fit.windows[0].unit
     unit = {"u": length, "v": f"{length}/s", "abs(v)": f"{length}/s", "t": "s"}[form.over]
@@ -61,13 +61,7 @@ def _curve(fit: Fit, name: str, form: CurveForm) -> MeasuredCurve:
         term.effect.title.rpartition("over the ")[2],
         unit,
         position,
-        left @ (strength * shape),
+        left(strength * shape),
         np.sqrt(np.maximum(variance, 0.0)),
         fit.values[names[0]].unit,
     )
-
-
-def _less_line(position: Array) -> Array:
-    """Return the matrix that takes the straight line out of values at positions (n,), shape (n, n)."""
-    line = np.linalg.qr(np.column_stack([np.ones_like(position), position]))[0]
-    return np.asarray(np.eye(len(position)) - line @ line.T)
