@@ -55,9 +55,8 @@ def overlay(result: Identification) -> Overlay | None:
 
 def _period(result: Identification) -> float:
     found = result.restoring_force or result.wavelet
-    if found is None or found.stiffness.value <= 0:
-        return 0.0
-    return float(2 * np.pi / np.sqrt(found.stiffness.value / (result.decay.mass or 1.0)))
+    stiffness = 0.0 if found is None else found.stiffness_per_mass.value
+    return float(2 * np.pi / np.sqrt(stiffness)) if stiffness > 0 else 0.0
 
 
 def alignment(result: Identification, look: Look = LIGHT) -> Picture | None:
