@@ -4,6 +4,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
+from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency
 from identify.signal.running import running_maximum, running_minimum
 
@@ -47,7 +48,7 @@ def free_from(decay: FreeDecay) -> tuple[int, str] | None:
         return None
     amplitude, period = found
     largest = float(amplitude.max())
-    if largest <= 0.0 or _goes_on(amplitude[period // 2 : -(period // 2) or None], largest):
+    if _goes_on(amplitude[period // 2 : -(period // 2) or None], largest):
         return None
     high = np.flatnonzero(amplitude >= 0.9 * largest)
     fallen = np.flatnonzero(amplitude[high[-1] :] < 0.8 * largest)
@@ -66,9 +67,7 @@ def free_from(decay: FreeDecay) -> tuple[int, str] | None:
 def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
     """Return the amplitude (n,) and the period in samples; None where fewer than four periods are seen."""
     values, known = next(iter(decay.channels.values())), decay.known
-    if np.count_nonzero(known) < 8:
-        return None
-    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    filled = bridge(values, known)
     frequency = dominant_frequency(filled, decay.rate, 0 if decay.displacement is not None else 1)
     if frequency <= 0.0 or len(filled) * frequency / decay.rate < FEWEST_PERIODS:
         return None
