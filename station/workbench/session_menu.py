@@ -43,12 +43,8 @@ def to_bin(folder: Path) -> Path:
 
 
 def _move(folder: Path, place: Path) -> None:
-    try:
-        lock = Lock(folder)
-        lock.acquire()
-        lock.release()
-    except StationError as error:
-        raise UsageProblem(f"{folder.name} is being written; wait until it is sealed") from error
+    with Lock(folder):  # nobody writes it
+        pass
     try:
         os.rename(folder, place)
     except OSError as error:
