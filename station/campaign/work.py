@@ -1,6 +1,5 @@
 """The analysis of one session of a campaign, and a key of all that its result depends on."""
 
-import hashlib
 import json
 import time
 from dataclasses import asdict, dataclass
@@ -11,7 +10,7 @@ from daq.errors import StationError
 from daq.session import Session
 from daq.session_info import State
 from daq.session_reading import RAW
-from daq.storage import read_regular
+from daq.storage import digest, read_regular
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.model_error import errors_of
@@ -49,15 +48,15 @@ def work_on(folder: Path, settings: Settings, diagnose: bool) -> Work:
         raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
     options = options_for(session, settings)
     dependent = {
+        "readings": digest(read_regular(folder / RAW, LARGEST)),
         "sensors": [sensor.model_dump(mode="json") for sensor in session.info.sensors],
         "rate_std_hz": session.info.rate_std_hz,
         "options": asdict(options),
         "diagnose": diagnose,
         "program": version_of(DISTRIBUTION, ""),
     }
-    checksum = hashlib.sha256(json.dumps(dependent, sort_keys=True).encode())
-    checksum.update(hashlib.sha256(read_regular(folder / RAW, LARGEST)).digest())
-    return Work(folder, checksum.hexdigest(), options, diagnose)
+    key = digest(json.dumps(dependent, sort_keys=True).encode())
+    return Work(folder, key, options, diagnose)
 
 
 def perform(work: Work) -> SessionResult:

@@ -1,11 +1,11 @@
 """Frames: one session under several models, on axes that stay. What each model leaves, in the phase plane and over time."""
 
-import hashlib
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.storage import digest
 from identify.arrays import Array
 from identify.comparison.compare import without_faults
 from identify.comparison.discrepancy_text import DiscrepancyText
@@ -34,7 +34,7 @@ def numbers(values: Array, steps: float = FINE) -> Numbers:
 
 def frame_id(model: ModelFile) -> str:
     """Name a model's frame: the same model with the same values has the same."""
-    return hashlib.sha256(model.model_dump_json().encode()).hexdigest()[:16]
+    return digest(model.model_dump_json().encode())[:16]
 
 
 def stage_of(prepared: PreparedDecay, fit: Fit) -> Drawing:
