@@ -290,3 +290,16 @@ def test_quadratic_damping_beside_dry_friction_leaves_the_stiffness_alone(seed: 
     stiffness = found.parameters["stiffness K"]
     assert found.order == 2
     assert abs(stiffness.value - MASS * sample.truth["stiffness_per_mass"]) < 5.0 * stiffness.std
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_record_that_begins_with_readings_of_the_held_mass_is_not_called_too_short(
+    method, seed: int
+) -> None:
+    """A hinge of cardboard: 12 cycles at 30 Hz, damped by 11 %, after three readings at twice their amplitude."""
+    time, omega, damping = np.arange(128) / 30.0, 19.0, 0.11
+    free = 0.08 * np.exp(-damping * omega * (time - 0.1)) * np.cos(omega * (time - 0.1))
+    noise = 4e-4 * np.random.default_rng(seed).standard_normal(len(time))
+    found = method(locate_and_align(FreeDecay(30.0, displacement=np.where(time < 0.08, 0.165, free) + noise)))
+    assert found.stiffness.value == pytest.approx(omega**2 * (1.0 + damping**2), rel=0.01)
