@@ -87,8 +87,8 @@ AGREES = 1.5
 FEWEST_CYCLES = 5.0
 """Cycles of all releases together, below which effects are not distinguishable."""
 
-HARDLY_KNOWN = 1.0
-"""Standard error of a guessed floor from which on the residual may be all noise as well as hardly any."""
+HARDLY_KNOWN = 0.5
+"""Standard error of a guessed floor from which on two of them reach down to no noise at all: it accepts any residual."""
 
 STIFFNESS_VARIES = 0.02
 """Standard deviation of a release's own spring, as a share of that of all releases: clamping, temperature."""
