@@ -248,12 +248,8 @@ def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str
 
 def law_sentence(decided: Sequence[Evidence]) -> str:
     """Say that a law outside the library remains beside what is named; "" where none does."""
-    if all(one.beside <= RIVALS_WITHIN for one in decided):
-        return ""
-    return (
-        "Besides what is named, something small remains: a smooth force outside the library explains more of the residual "
-        "than chance would."
-    )
+    left = any(one.beside > RIVALS_WITHIN for one in decided)
+    return "Besides what is named, something small without a name remains." if left else ""
 
 
 def _one_figure(value: float) -> str:

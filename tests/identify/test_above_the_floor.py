@@ -66,7 +66,7 @@ def test_a_law_too_small_to_keep_a_name_off_a_known_floor_is_said_beside_it(seed
     assert diagnosed.baseline.adequate(diagnosed.judged)
     assert diagnosed.decided[0].beside > 4.0
     assert (diagnosed.verdict, diagnosed.named) == ("missing_effect", ("freeplay",))
-    assert "Besides what is named, something small remains" in diagnosed.caution
+    assert "Besides what is named, something small without a name remains" in diagnosed.caution
 
 
 @pytest.mark.parametrize(
