@@ -66,7 +66,7 @@ def from_stamps(
     time, rows = in_order(table, column, time, rows, values, notes, even=even)
     steps = np.diff(time)
     period = float(np.median(steps))
-    if period > 0.0:  # rounded as the stamps are, but not on the average
+    if period > 0.0 and not even:  # rounded as the stamps are, but not on the average
         period = float(np.mean(steps[np.abs(steps - period) < 0.5 * period]))
     else:
         period = float(time[-1] - time[0]) / len(steps)

@@ -371,3 +371,8 @@ def test_rows_that_are_even_keep_the_holes_that_their_stamps_show(tmp_path: Path
     assert lost[0] == 40
     assert list(lost) == list(range(40, 40 + len(lost)))
     assert 11 <= len(lost) <= 13  # two stamps tell the length of a hole no better than they stray
+    bursts = (np.arange(T.size) // 5) * 0.05 + (np.arange(T.size) % 5) * 2e-3
+    (tmp_path / "a.csv").write_text(table(HEADER, bursts, U))
+    (recording,) = read_runs(tmp_path / "a.csv", None, read_recipe(recipe))
+    assert recording.valid.all()
+    assert recording.rate == pytest.approx(100.0, rel=1e-3)
