@@ -181,9 +181,8 @@ def _is_determined(force: Candidate) -> bool:
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
     """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
 
-    None where no effect does, where a walk alone reaches it, or where the leader leaves a law outside the library. Of a
-    rig that drifts neither a law of time is named, for a walk is now and then like one, nor a force that is a line,
-    which follows any motion for a while.
+    None where no effect does, or where a walk alone reaches it. Of a rig that drifts neither a law of time is named, for a
+    walk is now and then like one, nor a force that is a line, which follows any motion for a while.
     """
     alone = baseline.walk.simulated
     if baseline.reached_with(alone):
@@ -206,10 +205,10 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
         {one.name: (nats - alone.evidence) / unit for one, nats in together.items()},
         {one.name: one.term.effect for one in ranked},
         unnamed=smooth_law_evidence(alone) / unit,
-        beside=smooth_law_evidence(walks[best]) / unit,
     )
     if found.verdict != "named":
         return None
+    found = replace(found, beside=smooth_law_evidence(walks[best]) / unit)
     leads, *rest = (
         replace(one, claimed=one.name in found.names)
         for one in (best, *(one for one in ranked if one is not best))
