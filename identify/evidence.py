@@ -60,7 +60,6 @@ def decide(
     effects: Mapping[str, Effect],
     *,
     unnamed: float = -np.inf,
-    beside: float = -np.inf,
     drift_weighed: bool = False,
     alpha: float = DOUBT,
 ) -> Evidence:
@@ -68,13 +67,13 @@ def decide(
 
     Before the data, none is as probable as all laws together, and all of these are equally probable. The indistinguishable
     laws are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law outside
-    the library in their place, at first as probable as each, and `beside` that for one beside the leader, where that speaks
-    against it. Laws of time represent any drift unless a drift is part of every hypothesis (`drift_weighed`).
+    the library in their place, at first as probable as each. Laws of time represent any drift unless a drift is part of
+    every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|
     | of none above `alpha` | nothing |
-    | of a law outside the library in their place above DOUBT, or of none beside the leader below DOUBT | no name |
+    | of a law outside the library in their place above DOUBT | no name |
     | of the laws of time above DOUBT, if it is a law | may drift |
     | of any MOST_ALIKE laws below 1 - DOUBT | too many |
     | else | named: those that are not distinguishable, the likeliest first |
@@ -85,7 +84,7 @@ def decide(
     )  # of equal ones the library's first
 
     def decided(verdict: Decided, names: tuple[str, ...] = ()) -> Evidence:
-        return Evidence(dict(nats), verdict, names, unnamed=unnamed, beside=beside)
+        return Evidence(dict(nats), verdict, names, unnamed=unnamed)
 
     if nothing(tuple(nats.values())) > alpha:
         return decided("nothing")
@@ -94,7 +93,7 @@ def decide(
     total = sum(weight.values())
     above = np.cumsum([weight[name] for name in order])
     near = tuple(order[: 1 + int(np.searchsorted(above, (1.0 - DOUBT) * total))])
-    if np.exp(unnamed - most) > DOUBT * (total + np.exp(unnamed - most)) or nothing((beside,)) < DOUBT:
+    if np.exp(unnamed - most) > DOUBT * (total + np.exp(unnamed - most)):
         return decided("no name", near)
     if not drift_weighed and sum(weight[name] for name in order if effects[name].of_time) > DOUBT * total:
         return decided("may drift", near)

@@ -18,7 +18,7 @@ from numpy.polynomial import legendre
 
 from identify.arrays import Array
 from identify.effects.effect import Effect
-from identify.evidence import Evidence, decide
+from identify.evidence import Decided, Evidence, decide
 from identify.fitting.baseline import Baseline
 from identify.fitting.problem import Problem
 from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, walk_beside
@@ -104,22 +104,19 @@ def weigh(
     nats: dict[str, float],
     effects: dict[str, Effect],
     last: RandomWalk,
-    beside: float,
     unit: float,
     alpha: float,
 ) -> Evidence:
     """Decide which effects are named, from their evidence `nats` against the fit before; each hypothesis has a random walk.
 
     `before` is the walk beside that fit, `last` that beside the fit with the leader; the others explain as much, and leave
-    as much. `beside` is the evidence for a law outside the library that speaks against the leader. `unit` is the unit of
-    chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
+    as much. `unit` is the unit of chi-square in which `nats` were counted, `alpha` the probability of none that is allowed.
     """
     shift = (last.evidence - before.evidence) / unit
     return decide(
         {name: one + shift for name, one in nats.items()},
         effects,
         unnamed=smooth_law_evidence(before) / unit,
-        beside=beside / unit,
         drift_weighed=True,
         alpha=alpha,
     )
@@ -128,16 +125,14 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     """Weigh a name against a walk and a law outside the library, each effect beside the others; `decided` has the outcome.
 
-    It gets the walk that remains beside it, and so does `decided` the law. Neither speaks against a name that reaches a
-    sure floor: it is small.
+    It gets the walk that remains beside it, and `decided` the law. Either withholds a name that does not reach the floor, a
+    law one that reaches a guess.
     """
     final = judged.final
-    last = walk_beside(final)
-    left = smooth_law_evidence(last)
-    beside = -np.inf if baseline.floor_is_sure and baseline.adequate(final) else left
+    last, reached = walk_beside(final), baseline.adequate(final)
     if judged.places:
         unit = judged.places[0].tried[0].unit
-        decided = [_weighed_in_place(baseline, place, last, beside) for place in judged.places]
+        decided = [_weighed_in_place(baseline, place, last) for place in judged.places]
     else:
         near = [one for one in judged.ranked if one.claimed and one.plausible]
         unit = near[0].unit
@@ -145,15 +140,22 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
         nats = {one.name: one.evidence for one in near}
         drifts = baseline.floor_is_sure and last.evidence > RIVALS_WITHIN * unit
         before = baseline.walk.simulated if drifts else baseline.walk
-        decided = [weigh(before, nats, effects, last, beside, unit, baseline.alpha)]
-    decided = [replace(one, beside=left / unit) for one in decided]
+        decided = [weigh(before, nats, effects, last, unit, baseline.alpha)]
     walk = last if last.evidence > RIVALS_WITHIN * unit else None
-    if walk is not None and not baseline.adequate(final):
-        decided = [replace(one, verdict="leaves drift") if one.verdict == "named" else one for one in decided]
+    left = smooth_law_evidence(last) / unit
+    withheld: Decided = "named"
+    if walk is not None and not reached:
+        withheld = "leaves drift"
+    elif left > RIVALS_WITHIN and not (reached and baseline.floor_is_sure):
+        withheld = "no name"
+    decided = [
+        replace(one, beside=left, verdict=withheld if one.verdict == "named" else one.verdict)
+        for one in decided
+    ]
     return replace(judged, decided=tuple(decided), walk=walk)
 
 
-def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk, beside: float) -> Evidence:
+def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> Evidence:
     """Weigh one of several effects against what may stand in its place, beside the others.
 
     It has no name where something else is clearly more probable there and makes no sense, and, where the floor is a guess,
@@ -166,7 +168,7 @@ def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk, besi
     near = [one for one in place.tried if one.plausible]
     nats = {one.name: one.evidence + more for one in near}
     effects = {one.name: one.term.effect for one in near}
-    found = weigh(before, nats, effects, last, beside, own.unit, baseline.alpha)
+    found = weigh(before, nats, effects, last, own.unit, baseline.alpha)
     known = baseline.floor_is_sure or not own.term.is_force or _is_determined(own)
     named = found.verdict == "named"
     return replace(found, verdict="no name") if named and not (known and own.name in found.names) else found
