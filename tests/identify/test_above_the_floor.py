@@ -24,10 +24,12 @@ SUSPECTS = (
 )
 
 
-def found(hidden: str, strength: float, seed: int, **more: Any) -> Diagnosis:
+def found(
+    hidden: str, strength: float, seed: int, suspects: tuple[str, ...] = SUSPECTS, **more: Any
+) -> Diagnosis:
     sample = draw(hidden, strength, seed, **more)
     decay = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration), gain_uncertainty=2e-4)
-    return diagnose(decay, library=tuple(find_effect(name) for name in SUSPECTS))
+    return diagnose(decay, library=tuple(find_effect(name) for name in suspects))
 
 
 @pytest.mark.parametrize(("hidden", "seed"), [("freeplay", 60611), ("cubic_stiffness", 60612)])
@@ -56,6 +58,15 @@ def test_under_every_imperfection_at_once_a_force_is_named_and_what_it_leaves_is
 def test_what_a_walk_explains_as_well_gets_no_name(hidden: str, strength: float, seed: int) -> None:
     """Free play takes most of what adhesion does, and an end stop of what a walk does; a walk explains the rest."""
     diagnosed = found(hidden, strength, seed)
+    assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
+
+
+@pytest.mark.parametrize("strength", [0.003, 0.01])
+def test_what_leaves_a_law_above_a_known_floor_gets_no_name(strength: float) -> None:
+    """A cable that only pulls is half a bilinear stiffness, and half something else."""
+    diagnosed = found("one_way_cable", strength, 91000, ("bilinear_stiffness", "quadratic_stiffness"))
+    first = diagnosed.decided[0]
+    assert first.nats["bilinear_stiffness"] > first.unnamed + 1.0
     assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
 
 
