@@ -125,6 +125,8 @@ def holders(name: str, proc: Path = PROC) -> tuple[tuple[str, int], ...]:
 
 def latency_ms(name: str, tty: Path = SYSTEM_TTY) -> int | None:
     """Return the latency of an FTDI adapter (ms), None where the system does not know it, as of a URL."""
+    if "://" in name:
+        return None
     try:
         return int((tty / Path(os.path.realpath(name)).name / "device" / "latency_timer").read_text())
     except (OSError, ValueError):

@@ -88,7 +88,10 @@ FEWEST_CYCLES = 5.0
 """Cycles of all releases together, below which effects are not distinguishable."""
 
 HARDLY_KNOWN = 0.5
-"""Standard error of a guessed floor from which on two of them reach down to no noise at all: it accepts any residual."""
+"""Standard error from which on a guessed floor may be zero, at two of them: it would accept any residual."""
+
+SMALL = 0.1
+"""Share of a name's evidence up to which a law beside it is small: a law that takes more is not told from the name."""
 
 STIFFNESS_VARIES = 0.02
 """Standard deviation of a release's own spring, as a share of that of all releases: clamping, temperature."""

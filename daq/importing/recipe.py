@@ -106,8 +106,8 @@ class Recipe(_Part):
     """All that is needed to read a file of one shape; `recipe` is the version of this form.
 
     `confirmed` says that a person has looked at it: it is used again for the next file with these fields. `rate` (Hz) takes
-    the place of time stamps; `even` rows were read at the mean rate of their stamps but for holes, however these stray.
-    `restarts` cuts the rows where the time begins again; `runs` names those to read, all without.
+    the place of time stamps; `even` rows were read at the mean rate of their stamps, however these stray. `restarts` cuts
+    the rows where the time begins again; `runs` names those to read, all without.
     `stated` are the units that the file itself writes above its numbers: where they are others, it is another logger's file.
     """
 

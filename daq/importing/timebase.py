@@ -16,12 +16,12 @@ from daq.recording import Array, Gap, Index, Mask, runs
 OFTEN_EQUAL = 0.25
 """Share of stamps equal to the one before, from which on no curve can be drawn through the readings at their stamps."""
 EVEN = 1e-3
-FEWEST_LOST = 2.0  # samples in one hole that stamps show though they stray by half an interval
 COMPUTED = 1e-6  # of a sampling interval: stamps that stray less were computed from a rate, and tell nothing of its error
 TOO_IRREGULAR = 0.2
 TOLD = 0.05  # of a sampling interval: digits beyond it tell nothing more
 ROUGHER = 1.25  # times what local curves leave on an even clock: more at the stamps says that these show no reading's time
 ROWS_OF_A_CURVE = 11
+FEW_PARTS = 10
 DEGREE = 7  # closer to a motion of seven readings a cycle than jitter of 5 % of an interval moves it
 MOST_CURVES = 20_000
 MOVES = 0.1  # of the largest variance within a curve's rows (but for one in twenty): at rest no stamp makes readings rougher
@@ -57,7 +57,7 @@ def from_stamps(
     even: bool,
 ) -> Timebase:
     """Return the even clock that fits the stamps of `column`; `values` (channels, n) distinguish repeated rows from equal
-    stamps. `even` rows were read at the mean rate of their stamps, however these stray, but for holes.
+    stamps. `even` rows were read at the mean rate of their stamps, however these stray.
 
     Raises ImportProblem when the stamps make no clock.
     """
@@ -66,7 +66,7 @@ def from_stamps(
     time, rows = in_order(table, column, time, rows, values, notes, even=even)
     steps = np.diff(time)
     period = float(np.median(steps))
-    if period > 0.0 and not even:  # rounded as the stamps are, but not on the average
+    if period > 0.0:  # rounded as the stamps are, but not on the average
         period = float(np.mean(steps[np.abs(steps - period) < 0.5 * period]))
     else:
         period = float(time[-1] - time[0]) / len(steps)
@@ -80,8 +80,11 @@ def from_stamps(
     told = np.maximum(rounding, TOLD * period)
     weight = told**-2.0
     first = rows.max() if rows[0] > rows[-1] else rows.min()
-    plain = np.sort(np.abs(rows - first)) if even else np.arange(len(rows), dtype=np.int64)
-    index = _number_samples(table, column, time, rows, period, rounding, weight, plain)
+    index = (
+        np.sort(np.abs(rows - first))
+        if even
+        else _number_samples(table, column, time, rows, period, rounding, weight)
+    )
     slope, start, _, _ = even_line(index, time, weight)
     within = bool(np.all(np.abs(time - start - slope * index) < 1.1 * told))
     slope, start, stray, rate_std = even_line(index, time)
@@ -99,10 +102,14 @@ def from_stamps(
         raise _no_clock(where, slope, stray, equal=not spline, rougher=rougher > ROUGHER)
     notes.extend(_holes(table, index, time, rows))
     if rebuilt:
-        # neighbouring stamps may stray together, as those of three digits do: the record's ends are known no better than one
-        rate_std = max(rate_std, stray / float(time[-1] - time[0]) / slope)
+        # neighbouring stamps may stray together, as those of three digits do: the ends are known no better than one, and
+        # no better than stamps stray on the average of many, as they do about a hole
+        many = max(len(rows) // FEW_PARTS, 1)
+        together = np.convolve(time - start - slope * index, np.full(many, 1.0 / many), "valid")
+        off = max(stray, float(np.max(np.abs(together))))
+        rate_std = max(rate_std, off / float(time[-1] - time[0]) / slope)
         rounded = f"no more than the rounding of the stamps, up to {1e3 * np.max(rounding):.3g} ms"
-        why = "but the rows were read evenly (`even` in the recipe)" if even else rounded
+        why = "but the rows are said to be even" if even else rounded
         notes.append(
             f"{_strays(stray, slope)}, {why}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
@@ -236,12 +243,12 @@ def _number_samples(
     period: float,
     rounding: Array,
     weight: Array,
-    plain: Index,
 ) -> Index:
-    """Return the sample that each stamp belongs to: `plain`, or with holes if holes make the clock much more even.
+    """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even.
 
-    Holes are all long steps, those that are longer than the rounding of their stamps allows, or those that no jitter makes.
+    Holes are all long steps, or those that are longer than the rounding of their stamps allows.
     """
+    plain: Index = np.arange(len(time), dtype=np.int64)
     steps = np.maximum(np.rint(np.diff(time) / period), 1.0)
     total = float(np.sum(steps)) + 1.0
     if total == len(time):
@@ -256,7 +263,7 @@ def _number_samples(
     rounded = np.abs(np.diff(time) - period) < 1.1 * rounding[1:]
     holed = [
         np.concatenate(([0], np.cumsum(one))).astype(np.int64)
-        for one in (steps, np.where(rounded, 1.0, steps), np.where(steps < FEWEST_LOST + 1.0, 1.0, steps))
+        for one in (steps, np.where(rounded, 1.0, steps))
     ]
     strays = [even_line(one, time, weight)[2] for one in (*holed, plain)]
     best = int(np.argmin(strays[:-1]))

@@ -25,7 +25,7 @@ from identify.fitting.random_walk import RandomWalk, changes_by, explained_by, w
 from identify.judging.ranking import weigh_candidate
 from identify.judging.suspects import Candidate, InPlace
 from identify.judging.verdict import Judgement, verdict_of
-from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, WALK_IS_KNOWN
+from identify.priors import CLEAR, NAMELESS_IS, RIVALS_WITHIN, SIZES, SMALL, WALK_IS_KNOWN
 
 _ORDERS = 8
 """Orders of a series: of the last one a law bends seven times from end to end."""
@@ -125,8 +125,8 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     """Weigh a name against a walk and a law outside the library, each effect beside the others; `decided` has the outcome.
 
-    It gets the walk that remains beside it, and `decided` the law. Either withholds a name that does not reach the floor, a
-    law one that reaches a guess.
+    It gets the walk that remains beside it, and `decided` the law. Either withholds a name that does not reach the floor; a
+    law also one that reaches a guess, or that explains not ten times as much.
     """
     final = judged.final
     last, reached = walk_beside(final), baseline.adequate(final)
@@ -146,13 +146,18 @@ def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     withheld: Decided = "named"
     if walk is not None and not reached:
         withheld = "leaves drift"
-    elif left > RIVALS_WITHIN and not (reached and baseline.floor_is_sure):
+    elif not (_is_small(left, decided) if reached and baseline.floor_is_sure else left <= RIVALS_WITHIN):
         withheld = "no name"
     decided = [
         replace(one, beside=left, verdict=withheld if one.verdict == "named" else one.verdict)
         for one in decided
     ]
     return replace(judged, decided=tuple(decided), walk=walk)
+
+
+def _is_small(left: float, decided: Sequence[Evidence]) -> bool:
+    """Check that the evidence for a law outside the library is nothing, or a small part of that for what is named."""
+    return all(left <= max(RIVALS_WITHIN, SMALL * max(one.nats.values(), default=0.0)) for one in decided)
 
 
 def _weighed_in_place(baseline: Baseline, place: InPlace, last: RandomWalk) -> Evidence:
@@ -183,8 +188,9 @@ def _is_determined(force: Candidate) -> bool:
 def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgement | None:
     """Name the effect that reaches the floor together with a random walk, each one weighed with a walk of its own.
 
-    None where no effect does, or where a walk alone reaches it. Of a rig that drifts neither a law of time is named, for a
-    walk is now and then like one, nor a force that is a line, which follows any motion for a while.
+    None where no effect does, where a walk alone reaches it, or where a law remains that is not small. Of a rig that drifts
+    neither a law of time is named, for a walk is now and then like one, nor a force that is a line, which follows any
+    motion for a while.
     """
     alone = baseline.walk.simulated
     if baseline.reached_with(alone):
@@ -208,9 +214,10 @@ def named_with_walk(baseline: Baseline, ranked: tuple[Candidate, ...]) -> Judgem
         {one.name: one.term.effect for one in ranked},
         unnamed=smooth_law_evidence(alone) / unit,
     )
-    if found.verdict != "named":
+    left = smooth_law_evidence(walks[best]) / unit
+    if found.verdict != "named" or not _is_small(left, [found]):
         return None
-    found = replace(found, beside=smooth_law_evidence(walks[best]) / unit)
+    found = replace(found, beside=left)
     leads, *rest = (
         replace(one, claimed=one.name in found.names)
         for one in (best, *(one for one in ranked if one is not best))

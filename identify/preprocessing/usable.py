@@ -34,9 +34,11 @@ def usable(
         first = max(_first_free_sample(decay, frequency) - motion.start, 0)
         free = motion.part(slice(first, None))
         k, _, mu_0 = map(float, regress(-free.acceleration, base_columns(free), moving(free)).strengths)
-        omega = np.sqrt(k) if k > 0.0 else omega  # a spectrum sees a held start, too
         sure = replace(free, velocity=np.where(free.valid, free.velocity, 0.0))
         length = above(sure, omega, max(mu_0, 0.0) / omega**2, floor_of(noise, omega))
+        if length * omega < fewest * 2.0 * np.pi * motion.rate and k > omega**2:
+            omega = float(np.sqrt(k))  # the spectrum is that of readings of the held mass
+            length = above(sure, omega, max(mu_0, 0.0) / omega**2, floor_of(noise, omega))
     cycles = length * omega / (2.0 * np.pi * motion.rate)
     if cycles < fewest:
         raise refusal(

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from daq.importing.numbers import parse_number
 from station.exits import UsageProblem
 from station.suggestions import read_named
 
@@ -53,7 +52,7 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
                 continue
             if column.lower() == DATE:
                 date = _date(cell, file, line)
-            elif (number := parse_number(cell, ",")) is not None and math.isfinite(number):
+            elif (number := _number(cell)) is not None:
                 numbers[column] = number
             else:
                 texts[column] = None
@@ -61,6 +60,14 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
             found[name] = Known(date, numbers)
     notes = tuple(f"{file.name}: {column} holds text: no trend is computed for it" for column in texts)
     return found, notes
+
+
+def _number(cell: str) -> float | None:
+    try:
+        value = float(cell if "." in cell else cell.replace(",", "."))
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def _date(cell: str, file: Path, number: int) -> datetime:

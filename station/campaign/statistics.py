@@ -18,6 +18,9 @@ FAR = 5.0
 
 MOST_PAIRED = 800
 
+ROUNDING = 1e-12
+"""Share of values below which a difference is rounding."""
+
 
 def control_limits(values: Array) -> tuple[float, float, NDArray[np.bool_]] | None:
     """Find centre and spread of values (n,) in the order in which they were made, and which are outside three spreads.
@@ -33,7 +36,7 @@ def control_limits(values: Array) -> tuple[float, float, NDArray[np.bool_]] | No
     spread = float(np.median(np.abs(np.diff(values)))) / MEDIAN_RANGE
     if spread == 0.0:
         spread = float(np.median(np.abs(values - centre))) / 0.6745
-    slack = 1e-12 * max(abs(centre), float(np.max(np.abs(values))))
+    slack = ROUNDING * max(abs(centre), float(np.max(np.abs(values))))
     return centre, spread, np.abs(values - centre) > WIDTH * spread + slack
 
 
@@ -58,7 +61,9 @@ def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
     if len(x) < FEWEST or len(np.unique(x)) < FEWEST_PLACES or np.ptp(y) == 0.0:
         return None
     tau = _scatter(x, y, own)
-    if not (own.any() or tau):  # all lie on the line, which says nothing of its error
+    if not own.any() and tau <= ROUNDING * np.max(
+        np.abs(y)
+    ):  # all lie on the line, which says nothing of its error
         return None
     slope, error = _line(x, y, 1.0 / (own**2 + tau**2))[:2]
     p_value = float(2.0 * stats.t.sf(abs(slope) / error, len(x) - 2))

@@ -9,7 +9,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from daq.capture import CaptureSettings
-from daq.importing.numbers import parse_number
 from daq.importing.units import parse_scaled_unit, parse_unit
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
@@ -61,8 +60,11 @@ def session_info(
 
 def _condition(text: str) -> tuple[str, float]:
     name, _, value = text.rpartition("=")
-    number = parse_number(value)
-    if not name.strip() or number is None or not math.isfinite(number):
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not name.strip() or not math.isfinite(number):
         raise UsageProblem(f'--condition {text}: write NAME=NUMBER, as "temperature [degC]=21.5"')
     return name.strip(), number
 

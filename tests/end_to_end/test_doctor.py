@@ -92,6 +92,7 @@ def test_the_facts_of_a_port_come_from_the_system(tmp_path: Path) -> None:
     assert holders(str(device), tmp_path / "proc") == (("minicom", 4711),)
     assert latency_ms(str(device), tmp_path / "tty") == 16
     assert (holders("socket://localhost:5000"), latency_ms("socket://localhost:5000")) == ((), None)
+    assert latency_ms(f"rfc2217://lab/{device.name}", tmp_path / "tty") is None
 
 
 def test_no_port_at_all_is_a_warning() -> None:

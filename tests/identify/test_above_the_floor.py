@@ -1,5 +1,6 @@
 """A name above a known floor: sensors noisier in motion than at rest hide no force, and a walk is given no name."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,8 +9,11 @@ import pytest
 
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.effects.library import find_effect
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.model_error import may_hide_anything, motion_percent
 from identify.free_decay import FreeDecay
 from identify.judging.floor_not_reached import agree
+from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 from mocks.imperfections import IMPERFECTIONS
@@ -70,6 +74,16 @@ def test_what_leaves_a_law_above_a_known_floor_gets_no_name(strength: float) -> 
     assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
 
 
+@pytest.mark.parametrize(("strength", "seed"), [(0.0007, 53007), (0.001, 52001)])
+def test_a_name_at_a_known_floor_beside_a_law_of_half_its_evidence_is_withheld(
+    strength: float, seed: int
+) -> None:
+    diagnosed = found(
+        "one_way_cable", strength, seed, ("bilinear_stiffness", "quadratic_stiffness", "offset_drift")
+    )
+    assert (diagnosed.verdict, diagnosed.named) == ("unknown_effect", ())
+
+
 @pytest.mark.parametrize("seed", [514, 522])
 def test_a_law_too_small_to_keep_a_name_off_a_known_floor_is_said_beside_it(seed: int) -> None:
     """The sensor is bent by some ten thousandths, and free play of 3 % of the force leaves that."""
@@ -88,6 +102,18 @@ def test_curves_and_free_run_must_agree_on_a_strength(free_run: float, agrees: b
     effect = SimpleNamespace(term=SimpleNamespace(strength="drag.c2"), strength=1.0)
     whole = SimpleNamespace(values={"drag.c2": SimpleNamespace(value=free_run)})
     assert agree(SimpleNamespace(effects=(effect,)), whole) is agrees  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("width", "hides"), [(0.4, False), (0.6, True)])
+def test_a_guess_that_two_standard_errors_take_to_none_accepts_anything(width: float, hides: bool) -> None:
+    sample = draw(None, 0.0, 7, noise_displacement=5e-4)
+    prepared = prepare(
+        FreeDecay(sample.rate, displacement=sample.displacement[sample.displacement.size // 4 :])
+    )
+    baseline = fit_baseline((replace(prepared, floor_std=width),), base_model())
+    assert not baseline.floor_is_sure
+    assert motion_percent(baseline.fit) > 1.0
+    assert may_hide_anything(baseline, baseline.fit) is hides
 
 
 def test_a_floor_known_to_no_better_than_itself_tells_nothing_of_a_large_residual() -> None:

@@ -303,3 +303,17 @@ def test_a_record_that_begins_with_readings_of_the_held_mass_is_not_called_too_s
     noise = 4e-4 * np.random.default_rng(seed).standard_normal(len(time))
     found = method(locate_and_align(FreeDecay(30.0, displacement=np.where(time < 0.08, 0.165, free) + noise)))
     assert found.stiffness.value == pytest.approx(omega**2 * (1.0 + damping**2), rel=0.01)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("drift", "second"), [(4e-3, 0.0), (0.0, 0.019)])
+def test_cycles_are_those_of_the_motion_whatever_lies_below_or_above_it(
+    method, drift: float, second: float
+) -> None:
+    """A zero that drifts by 4 mm/s lowers the spring that equation error finds; a second mode at 110 rad/s raises it."""
+    time = np.arange(2048) / 256.0
+    motion = 0.02 * np.exp(-0.3 * time) * np.cos(25.0 * time)
+    motion += drift * time + second * np.exp(-1.5 * time) * np.cos(110.0 * time)
+    noise = 5e-6 * np.random.default_rng(3).standard_normal(len(time))
+    found = method(locate_and_align(FreeDecay(256.0, displacement=motion + noise)))
+    assert found.stiffness.value == pytest.approx(625.0, rel=0.02)

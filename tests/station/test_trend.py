@@ -68,6 +68,12 @@ def test_too_few_sessions_or_places_or_nothing_that_changes_is_no_trend(x, y):
     assert find_trend(np.array(x, float), np.array(y, float), np.full(len(x), 0.1)) is None
 
 
+@pytest.mark.parametrize(("slope", "start"), [(2.0, 1.0), (0.1, 1.0 / 3.0), (1e-3, 1e6)])
+def test_values_that_lie_on_a_line_but_for_rounding_say_nothing_of_its_error(slope, start):
+    x = np.arange(8.0)
+    assert find_trend(x, slope * x + start, np.full(8, np.nan)) is None
+
+
 def test_holm_rejects_as_in_its_definition():
     # 0.01 < 0.05/4; 0.015 < 0.05/3; 0.03 > 0.05/2, and with it all that are larger.
     assert sure_ones([0.03, 0.01, 0.04, 0.015]) == [False, True, False, True]
