@@ -125,8 +125,8 @@ def weigh(
 def weighed(baseline: Baseline, judged: Judgement) -> Judgement:
     """Weigh a name against a walk and a law outside the library, each effect beside the others; `decided` has the outcome.
 
-    It gets the walk that remains beside it, and `decided` the law. Either withholds a name that does not reach the floor; a
-    law also one that reaches a guess, or that explains not ten times as much.
+    It gets the walk that remains beside it, and `decided` the law. Either withholds a name that does not reach the floor. A
+    law also withholds one at a guessed floor, and one of less than ten times its own evidence.
     """
     final = judged.final
     last, reached = walk_beside(final), baseline.adequate(final)
