@@ -29,7 +29,8 @@ Verdict = Literal[
     "not_enough_data",
 ]
 
-_MOST_RIVALS = 2
+MOST_RIVALS = 2
+"""Rivals that are named, listed or drawn beside a name."""
 
 HEADLINES: dict[Verdict, str] = {
     "missing_effect": "A force is missing",
@@ -64,7 +65,7 @@ def headline_of(
         words = "A force is missing, or a sensor is at fault"
     if not named:
         return words
-    if len(alike) > _MOST_RIVALS:
+    if len(alike) > MOST_RIVALS:
         return f"{words}: {plain_name(named[0])}, or one of {len(alike)} others"
     return f"{words}: {among([plain_name(name) for name in (*named, *alike)], 'or' if alike else 'and')}"
 

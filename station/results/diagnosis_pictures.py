@@ -9,12 +9,12 @@ from identify.effects.effect import Effect
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
+from identify.judging.verdict import MOST_RIVALS
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.models import ModelFile, known_model
 
-MOST_RIVALS = 2
 MOST = 3
 
 NamedMaps = tuple[tuple[str, ForceMap], ...]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from identify.formatting import DASH, among, plain_name, three_figures
-from identify.judging.verdict import headline_of
+from identify.judging.verdict import MOST_RIVALS, headline_of
 from identify.priors import CLEAR
 from identify.residual import floor_words, residual_words, times, would_explain
 from station.results.confirmation_document import PredictionErrors
@@ -23,7 +23,7 @@ from station.text.content import Paragraph, Part, Table, Told, Tone, facts
 from station.text.numbers import amplitude_words, typeset, typeset_unit, with_names
 
 TONES: dict[str, Tone] = {"nothing_missing": "good", "not_enough_data": "unsure"}
-MOST_SUSPECTS, FEW_SUSPECTS, MOST_RIVALS = 6, 3, 2
+MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 PREDICTED = ("motion", "phase", "envelope")
 STRENGTH_UNKNOWN = "strength not determined"
 _MOST_OF_IT = 0.5
